@@ -1,0 +1,1 @@
+"""The body: baking Anny, evaluating it, measuring it, posing it."""
