@@ -1,0 +1,5 @@
+//! What Toile does, without HTTP and without a network runtime: outfits, static passes, drapes.
+
+pub mod network;
+pub mod outfit;
+pub mod outfit_build;
