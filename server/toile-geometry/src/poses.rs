@@ -18,7 +18,6 @@ pub struct PoseLibrary {
 
 /// A named pose.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
 pub struct Preset {
     /// Identifier at the API, such as `contrapposto`.
     pub id: String,
@@ -26,7 +25,7 @@ pub struct Preset {
     pub label: String,
     /// What presets are grouped by on the page.
     pub group: String,
-    /// What it is, as keyframe.
+    /// The pose itself.
     #[serde(flatten)]
     pub pose: KeyPose,
 }

@@ -50,8 +50,7 @@ impl ShapeBasis {
     pub fn accumulate(&self, coefficients: &[f32], out: &mut [f32]) {
         let scaled: Vec<f32> = coefficients.iter().zip(&self.steps).map(|(c, step)| c * step).collect();
         for (block, out) in self.blocks.iter().zip(out.chunks_mut(BLOCK)) {
-            let rows = self.packed.get(block.start..).unwrap_or(&[]).chunks_exact(BLOCK);
-            for (&k, row) in block.coefficients.iter().zip(rows) {
+            for (&k, row) in block.coefficients.iter().zip(self.rows(block)) {
                 let scale = scaled.get(usize::from(k)).copied().unwrap_or(0.0);
                 if scale != 0.0 {
                     out.iter_mut().zip(row).for_each(|(o, &v)| *o += scale * f32::from(v));
@@ -60,14 +59,18 @@ impl ShapeBasis {
         }
     }
 
+    /// One row of values for each coefficient of a block.
+    fn rows(&self, block: &Block) -> &[[i16; BLOCK]] {
+        self.packed.get(block.start..).unwrap_or(&[]).as_chunks().0
+    }
+
     /// How vertex `v` moves with every coefficient, metres, (coefficients,).
     #[must_use]
     pub fn of_vertex(&self, v: usize) -> Vec<[f32; 3]> {
         let mut out = vec![[0.0; 3]; self.steps.len()];
         let (index, offset) = (v * 3 / BLOCK, v * 3 % BLOCK);
         let Some(block) = self.blocks.get(index) else { return out };
-        let rows = self.packed.get(block.start..).unwrap_or(&[]).chunks_exact(BLOCK);
-        for (&k, row) in block.coefficients.iter().zip(rows) {
+        for (&k, row) in block.coefficients.iter().zip(self.rows(block)) {
             let k = usize::from(k);
             if let (Some(out), Some(&step)) = (out.get_mut(k), self.steps.get(k)) {
                 *out = [0, 1, 2].map(|axis| f32::from(row[offset + axis]) * step);

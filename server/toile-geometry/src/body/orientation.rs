@@ -38,7 +38,7 @@ fn eigen_symmetric(mut a: [[f64; 4]; 4]) -> ([f64; 4], [[f64; 4]; 4]) {
     for _sweep in 0..12 {
         let off: f64 =
             (0..4).flat_map(|p| (p + 1..4).map(move |q| (p, q))).map(|(p, q)| a[p][q] * a[p][q]).sum();
-        if off <= scale * 1e-24 {
+        if off <= scale * 1e-18 {
             break;
         }
         for p in 0..3 {

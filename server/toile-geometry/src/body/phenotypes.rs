@@ -156,7 +156,7 @@ mod tests {
     fn the_jacobian_agrees_with_finite_differences() {
         let terms = sample();
         let at: [f64; PARAMETERS] =
-            std::array::from_fn(|k| if k < 6 { 0.13 + 0.14 * k as f64 } else { 0.3 - 0.03 * k as f64 });
+            std::array::from_fn(|k| if k < 6 { 0.13 + 0.14 * k as f64 } else { 0.31 - 0.03 * k as f64 });
         let jacobian = terms.jacobian(&at);
         for k in 0..PARAMETERS {
             let (mut above, mut below) = (at, at);
