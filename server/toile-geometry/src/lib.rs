@@ -4,6 +4,7 @@
 
 pub mod body;
 pub mod mesh;
+pub mod nearest;
 pub mod normals;
 pub mod pose;
 pub mod poses;

@@ -1,0 +1,90 @@
+"""Energies of cloth as training losses: pure functions of posed vertices. Metres, joules per square metre.
+
+x: (P, N, 3) posed vertices of P poses. All energies are means over poses of area-weighted sums over the
+outfit divided by its area, so they compare across outfits and resolutions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """Constants of a light woven cloth."""
+
+    density: float = 0.2  # kg/m2
+    stretch: float = 400.0  # N/m
+    compression: float = 0.35  # share of the stretch stiffness that resists shortening
+    bending: float = 3e-5  # N m
+    contact: float = 1.5e5  # J/m4, penalty of penetration
+    thickness: float = 0.004  # m, distance kept from the skin
+    gravity: float = 9.81  # m/s2
+
+
+@dataclass(frozen=True)
+class RestMesh:
+    """Constant tables of one outfit on one body shape."""
+
+    edges: Tensor  # (E, 2)
+    length: Tensor  # (E,)
+    edge_area: Tensor  # (E,) m2, a third of the two triangles
+    hinges: Tensor  # (H, 4) shared edge a, b and the two opposite vertices
+    angle: Tensor  # (H,) rest dihedral, radians
+    hinge_weight: Tensor  # (H,) |e|^2 / area
+    area: Tensor  # (N,) m2
+
+
+def edge_lengths(x: Tensor, edges: Tensor) -> Tensor:
+    """(P, N, 3) -> (P, E)."""
+    return (x[:, edges[:, 0]] - x[:, edges[:, 1]]).square().sum(-1).add(1e-12).sqrt()
+
+
+def stretch(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
+    """Edge term: equation 10 of DeePSD as springs, stretching stiffer than shortening (cloth buckles)."""
+    strain = edge_lengths(x, mesh.edges) / mesh.length - 1
+    stiffness = torch.where(strain > 0, fabric.stretch, fabric.stretch * fabric.compression)
+    return (0.5 * stiffness * strain.square() * mesh.edge_area).sum(1).mean() / mesh.area.sum()
+
+
+def dihedral(x: Tensor, hinges: Tensor) -> Tensor:
+    """Signed dihedral angles at the shared edges, (P, H), zero when flat."""
+    a, b, c, d = (x[:, hinges[:, k]] for k in range(4))
+    edge = b - a
+    left = torch.linalg.cross(edge, c - a)
+    right = torch.linalg.cross(d - a, edge)
+    unit = edge / edge.square().sum(-1, keepdim=True).add(1e-12).sqrt()
+    sine = (torch.linalg.cross(left, right) * unit).sum(-1)
+    cosine = (left * right).sum(-1)
+    return torch.atan2(sine, cosine + 1e-12)
+
+
+def bending(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
+    """Bend relative to the rest dihedral, so that pleats are not ironed flat (equation 11, discrete shells)."""
+    turn = dihedral(x, mesh.hinges) - mesh.angle
+    turn = torch.remainder(turn + torch.pi, 2 * torch.pi) - torch.pi
+    return (0.5 * fabric.bending * turn.square() * mesh.hinge_weight).sum(1).mean() / mesh.area.sum()
+
+
+def clearance(x: Tensor, points: Tensor, normals: Tensor) -> Tensor:
+    """Signed distance of each vertex along the normal of its nearest surface point, (P, N)."""
+    return ((x - points) * normals).sum(-1)
+
+
+def contact(distance: Tensor, margin: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
+    """Collision term, equation 12 squared: distance (P, N) below margin (N,) is penalised."""
+    depth = (margin - distance).clamp(min=0)
+    return (fabric.contact * depth.square() * area).sum(1).mean() / area.sum()
+
+
+def weight_of(x: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
+    """Potential energy of gravity."""
+    return (fabric.density * fabric.gravity * x[..., 1] * area).sum(1).mean() / area.sum()
+
+
+def hold(offset: Tensor, grip: Tensor, area: Tensor) -> Tensor:
+    """Friction's stand-in: cloth near the skin keeps its place. offset (P, N, 3), grip (N,) N/m3."""
+    return (grip * offset.square().sum(-1) * area).sum(1).mean() / area.sum()

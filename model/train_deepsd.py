@@ -1,0 +1,229 @@
+"""Train DeePSD without data (paper section 6): physics energies on random outfits, bodies and poses.
+
+    python -m train_deepsd --minutes 60            # checkpoints and a log under runs/
+    python -m train_deepsd --resume runs/deepsd.pt
+
+Each step draws one outfit and one body shape in several poses, runs the static pass once and the
+dynamic pass for every pose, and lowers the energy of the posed cloth.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+import energies
+from energies import Fabric, RestMesh
+from garment import nearest
+from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
+from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_samples
+
+RUNS = Path(__file__).parent / "runs"
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Weights that change over a run; progress runs from 0 to 1."""
+
+    prior: float = 0.3  # J/m2 per unit of divergence from the body's weights, fades to a tenth by a third of the run
+    smooth_weights: float = 2.0
+    keep: float = 3.0  # N/m3, all offsets
+    grip: float = 600.0  # N/m3, offsets of cloth on the skin
+
+    def prior_at(self, progress: float) -> float:
+        return self.prior * max(0.1, 1 - 3 * progress)
+
+
+class DeePSD(nn.Module):
+    """Static pass and coefficients together."""
+
+    def __init__(self, sizes: Sizes) -> None:
+        super().__init__()
+        self.static = StaticPass(sizes)
+        self.coefficients = Coefficients(sizes)
+
+
+@dataclass(frozen=True)
+class Draped:
+    """One outfit on one shape in several poses."""
+
+    rest: Tensor  # (N, 3)
+    offset: Tensor  # (P, N, 3) rest space
+    posed: Tensor  # (P, N, 3) world
+    node_weights: Tensor  # (M, 36)
+
+
+def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: Tensor, parents: Tensor) -> Draped:
+    """Equation 4: offsets in rest space, then linear blend skinning with four influences."""
+    node_weights, node_basis, _ = net.static(sample.features, sample.prior, sample.graph)
+    spread = lambda field: gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)  # noqa: E731
+    transforms = entry.transforms[poses]
+    coefficients = net.coefficients(pose_features(transforms, parents), entry.shape.expand(len(poses), -1))
+    basis = spread(node_basis).reshape(len(rest), 3, -1)
+    offset = torch.einsum("nkr,pr->pnk", basis, coefficients)
+    weight, joint = top_four(spread(node_weights))
+    return Draped(rest, offset, skin(rest + offset, weight, joint, transforms), node_weights)
+
+
+def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, margin: Tensor) -> dict[str, Tensor]:
+    """Clearances (P, N) to the body and (P, Q) of outer garments to inner ones."""
+    surface, normals = entry.vertices[poses], entry.normals[poses]
+    hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
+    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), nearest.surface_at(normals, hit))
+    out = {"body": body}
+    if len(sample.outer):
+        cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
+        x = d.posed[:, sample.outer]
+        best = nearest._best(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
+        out["layer"] = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
+    return out
+
+
+def losses(
+    d: Draped, mesh: RestMesh, clearances: dict[str, Tensor], sample: Sample, schedule: Schedule, progress: float
+) -> dict[str, Tensor]:
+    """Every energy of a step, J/m2 (means over poses)."""
+    fabric = Fabric()
+    margin = torch.minimum(torch.full_like(sample.distance, fabric.thickness), sample.distance.clamp(min=0.001))
+    grip = schedule.keep + schedule.grip * torch.exp(-sample.distance.clamp(min=0) / 0.008)
+    prior, edges = sample.prior.clamp(min=1e-4), sample.graph.near
+    divergence = (d.node_weights * (d.node_weights.clamp(min=1e-6).log() - prior.log())).sum(1).mean()
+    rough = ((d.node_weights[edges] - d.node_weights[:, None]).square().sum(2) * (sample.graph.near_weight > 0)).mean()
+    out = {
+        "stretch": energies.stretch(d.posed, mesh, fabric),
+        "bend": energies.bending(d.posed, mesh, fabric),
+        "contact": energies.contact(clearances["body"], margin, mesh.area, fabric),
+        "gravity": energies.weight_of(d.posed, mesh.area, fabric),
+        "hold": energies.hold(d.offset, grip, mesh.area),
+        "prior": schedule.prior_at(progress) * divergence,
+        "smooth": schedule.smooth_weights * rough,
+    }
+    if "layer" in clearances:
+        gap = sample.layer_gap.clamp(max=0.003)
+        share = mesh.area[sample.outer]
+        out["layer"] = energies.contact(clearances["layer"], gap, share, fabric) * share.sum() / mesh.area.sum()
+    return out
+
+
+@torch.no_grad()
+def measures(d: Draped, mesh: RestMesh, clearances: dict[str, Tensor]) -> dict[str, float]:
+    """The metrics of DESIGN section 9 that need no teacher."""
+    length = energies.edge_lengths(d.posed, mesh.edges)
+    stretch = (length / mesh.length).flatten()
+    out = {
+        "penetration_percent": 100 * (clearances["body"] < 0).float().mean().item(),
+        "edge_mm": 1000 * (length - mesh.length).abs().mean().item(),
+        "edge_percent": 100 * (stretch - 1).abs().mean().item(),
+        "stretch_p999": stretch.kthvalue(int(0.999 * len(stretch))).values.item(),
+        "offset_mm": 1000 * d.offset.norm(dim=-1).mean().item(),
+    }
+    if "layer" in clearances:
+        out["layer_percent"] = 100 * (clearances["layer"] < 0).float().mean().item()
+    return out
+
+
+def run_one(net: DeePSD, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> tuple[Draped, RestMesh, dict[str, Tensor]]:
+    rest, mesh = carry(sample, bank, entry)
+    d = drape(net, sample, rest, entry, poses, bank.parents)
+    return d, mesh, contact_terms(d, sample, bank, entry, poses, sample.distance)
+
+
+@torch.no_grad()
+def validate(net: DeePSD, samples: list[Sample], bank: BodyBank) -> dict[str, float]:
+    """Means over validation outfits, each on one held-out shape in all its poses."""
+    rows = []
+    for i, sample in enumerate(samples):
+        entry = bank.entries[i % len(bank.entries)]
+        d, mesh, clearances = run_one(net, sample, bank, entry, torch.arange(len(entry.vertices)))
+        rows.append(measures(d, mesh, clearances))
+    return {k: float(np.mean([r[k] for r in rows if k in r])) for k in sorted({k for r in rows for k in r})}
+
+
+def step(net: DeePSD, samples: list[Sample], bank: BodyBank, rng: np.random.Generator, poses: int, progress: float) -> dict[str, float]:
+    """Gradients of one random outfit and shape, accumulated."""
+    sample = samples[rng.integers(len(samples))]
+    entry = bank.entries[rng.integers(len(bank.entries))]
+    chosen = torch.as_tensor(rng.choice(len(entry.vertices), poses, replace=False))
+    d, mesh, clearances = run_one(net, sample, bank, entry, chosen)
+    terms = losses(d, mesh, clearances, sample, Schedule(), progress)
+    total = torch.stack(list(terms.values())).sum()
+    total.backward()
+    return {k: v.item() for k, v in terms.items()} | measures(d, mesh, clearances)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run is made of."""
+
+    minutes: float
+    poses: int = 5
+    outfits_per_step: int = 2
+    rate: float = 1e-3
+    seed: int = 0
+
+
+def learn(net: DeePSD, train: list[Sample], validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path) -> None:
+    """The training loop: Adam, cosine rate, running average of the weights, a log line and a checkpoint now and then."""
+    rng = np.random.default_rng(s.seed)
+    optimiser = torch.optim.Adam(net.parameters(), lr=s.rate, betas=(0.9, 0.98))
+    average = torch.optim.swa_utils.AveragedModel(net, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.998))
+    started, history, count = time.time(), [], 0
+    while (progress := (time.time() - started) / (60 * s.minutes)) < 1:
+        for group in optimiser.param_groups:
+            group["lr"] = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
+        history += [step(net, train, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]
+        nn.utils.clip_grad_norm_(net.parameters(), 1.0)
+        optimiser.step()
+        optimiser.zero_grad()
+        average.update_parameters(net)
+        count += 1
+        if count % 100 == 0:
+            report(history, count, progress, time.time() - started)
+            history.clear()
+        if count % 500 == 0:
+            save(average.module, out, validate(average.module, validation, banks[1]), count)
+    save(average.module, out, validate(average.module, validation, banks[1]), count)
+
+
+def report(history: list[dict[str, float]], count: int, progress: float, seconds: float) -> None:
+    mean = {k: round(float(np.mean([h[k] for h in history if k in h])), 4) for k in sorted({k for h in history for k in h})}
+    print(json.dumps({"step": count, "progress": round(progress, 3), "seconds": round(seconds), **mean}), flush=True)
+
+
+def save(net: nn.Module, out: Path, metrics: dict[str, float], count: int) -> None:
+    out.parent.mkdir(exist_ok=True)
+    torch.save({"net": net.state_dict(), "step": count, "validation": metrics}, out)
+    print(json.dumps({"checkpoint": count, **{k: round(v, 4) for k, v in metrics.items()}}), flush=True)
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--minutes", type=float, default=60)
+    p.add_argument("--out", type=Path, default=RUNS / "deepsd.pt")
+    p.add_argument("--resume", type=Path)
+    p.add_argument("--outfits", type=Path, default=DATA / "outfits")
+    p.add_argument("--shapes", type=int, default=40)
+    p.add_argument("--poses", type=int, default=40)
+    p.add_argument("--limit", type=int, help="use only this many outfits (smoke runs)")
+    p.add_argument("--rate", type=float, default=1e-3)
+    a = p.parse_args()
+    torch.manual_seed(0)
+    net = DeePSD(Sizes())
+    if a.resume:
+        net.load_state_dict(torch.load(a.resume)["net"])
+    train = load_samples(a.outfits / "train")[: a.limit]
+    validation = load_samples(a.outfits / "validation")[: a.limit]
+    banks = BodyBank(a.shapes, a.poses, 1), BodyBank(6, 12, 2)
+    print(f"{len(train)} training and {len(validation)} validation outfits", flush=True)
+    learn(net, train, validation, banks, Settings(a.minutes, rate=a.rate), a.out)
+
+
+if __name__ == "__main__":
+    main()

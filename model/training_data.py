@@ -1,0 +1,197 @@
+"""What training draws from: prepared outfits and a bank of posed bodies."""
+
+from __future__ import annotations
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from scipy.spatial import cKDTree
+from torch import Tensor
+
+from body.anny_body import AnnyBody, vertex_normals
+from body.humanoid import joint_rotations
+from body.pose_sampling import sample_poses
+from energies import RestMesh
+from garment import nearest
+from garment.binding import bind, reference_surface
+from garment.features import node_features
+from garment.graph import build, mesh_edges
+from garment.rest_mesh import rest_mesh, topology
+from nets.deepsd import Graph
+
+DATA = Path(__file__).parent / "data"
+LAYER_CANDIDATES = 8
+#: Cloth keeps this much of its rest distance when it is carried to another body.
+SHAPE_MARGIN = 0.003
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One prepared outfit; all on the reference body in rest space."""
+
+    name: str
+    vertices: Tensor  # (N, 3)
+    tables: tuple[Tensor, Tensor, Tensor]  # edges, hinges, triangles
+    features: Tensor  # (M, features)
+    prior: Tensor  # (M, 36)
+    graph: Graph
+    vertex_from_node: Tensor  # (N, 8)
+    vertex_from_node_weight: Tensor
+    candidates: Tensor  # (N, 16)
+    shape_index: Tensor  # (N, 24) body vertices
+    shape_weight: Tensor
+    distance: Tensor  # (N,) signed distance to the body at rest
+    outer: Tensor  # (Q,) vertices that lie over an inner garment
+    inner: Tensor  # (Q, 8) vertices of that garment
+    layer_gap: Tensor  # (Q,) rest distance to it
+
+
+def prepare(path: Path) -> dict[str, np.ndarray]:
+    """All tables of an outfit file as arrays (see `Sample`)."""
+    raw = np.load(path)
+    v, t, garment = raw["vertices"].astype(np.float64), raw["triangles"].astype(np.int64), raw["garment"].astype(np.int64)
+    graph = build(v, t, garment)
+    binding = bind(v, graph)
+    surface = reference_surface()
+    normals = vertex_normals(v, t)
+    out = {"vertices": v, "triangles": t, "prior": binding.prior, "candidates": binding.candidates}
+    out["features"] = node_features(graph, normals, binding.prior, garment, surface)
+    for name in Graph.__dataclass_fields__ | {"vertex_from_node": 0, "vertex_from_node_weight": 0}:
+        out[name] = getattr(graph, name)
+    shape = binding.shape
+    out["shape_index"], out["shape_weight"] = shape.indices.reshape(len(v), -1), shape.data.reshape(len(v), -1)
+    hit = cKDTree(surface.vertices).query(v)[1]
+    out["distance"] = ((v - surface.vertices[hit]) * surface.normals[hit]).sum(1)
+    out["outer"], out["inner"], out["layer_gap"] = layer_tables(v, normals, garment)
+    return out
+
+
+def layer_tables(v: np.ndarray, normals: np.ndarray, garment: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices lying over an inner garment (within 8 cm), its nearest vertices there, and the gap along its normal."""
+    outer, inner, gap = [], [], []
+    for layer in range(1, int(garment.max()) + 1):
+        below = np.flatnonzero(garment < layer)
+        mine = np.flatnonzero(garment == layer)
+        distance, hit = cKDTree(v[below]).query(v[mine], LAYER_CANDIDATES)
+        offset = ((v[mine] - v[below[hit[:, 0]]]) * normals[below[hit[:, 0]]]).sum(1)
+        keep = (distance[:, 0] < 0.08) & (offset > 0) & (offset > 0.5 * distance[:, 0])
+        outer.append(mine[keep])
+        inner.append(below[hit[keep]])
+        gap.append(offset[keep])
+    if not outer:
+        return np.zeros(0, np.int64), np.zeros((0, LAYER_CANDIDATES), np.int64), np.zeros(0)
+    return np.concatenate(outer), np.concatenate(inner), np.concatenate(gap)
+
+
+def load_sample(path: Path) -> Sample:
+    """A prepared outfit, computed once and kept beside the file."""
+    kept = path.with_suffix(".prepared.npz")
+    if not kept.exists() or kept.stat().st_mtime < path.stat().st_mtime:
+        np.savez(kept, **prepare(path))
+    raw = np.load(kept)
+    value = {k: torch.as_tensor(raw[k].astype(np.float32) if raw[k].dtype.kind == "f" else raw[k].astype(np.int64)) for k in raw}
+    graph = Graph(**{name: value.pop(name) for name in Graph.__dataclass_fields__})
+    return Sample(name=path.stem, tables=topology(raw["triangles"].astype(np.int64)), graph=graph,
+                  **{k: v for k, v in value.items() if k != "triangles"})  # fmt: skip
+
+
+def load_samples(folder: Path) -> list[Sample]:
+    paths = sorted(p for p in folder.glob("*.npz") if not p.name.endswith(".prepared.npz"))
+    with ProcessPoolExecutor(2) as pool:
+        list(pool.map(_warm, paths, chunksize=8))
+    return [load_sample(p) for p in paths]
+
+
+def _warm(path: Path) -> None:
+    torch.set_num_threads(1)
+    load_sample(path)
+
+
+@dataclass(frozen=True)
+class ShapedPoses:
+    """One body shape in many poses."""
+
+    shape: Tensor  # (26,) network input
+    apose: Tensor  # (V, 3)
+    apose_normals: Tensor  # (V, 3)
+    transforms: Tensor  # (P, 36, 3, 4)
+    vertices: Tensor  # (P, V, 3)
+    normals: Tensor  # (P, V, 3)
+
+
+class BodyBank:
+    """Random adult shapes, each in random poses. Seeded."""
+
+    def __init__(self, shapes: int, poses: int, seed: int) -> None:
+        body = AnnyBody.load()
+        self.triangles = torch.as_tensor(body.triangles)
+        self.ring = nearest.ring_table(len(body.skin_joints), mesh_edges(body.triangles))
+        self.reference = torch.as_tensor(reference_surface().vertices, dtype=torch.float32)
+        parents = body.parents[body.garment_joints]
+        self.parents = torch.as_tensor(np.where(parents < 0, -1, body.garment_joint[parents]))
+        rng = np.random.default_rng(seed)
+        all_poses = sample_poses(shapes * poses, seed)
+        self.entries = [
+            self._entry(body, random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)
+        ]
+
+    def _entry(self, body: AnnyBody, values: tuple[dict[str, float], dict[str, float]], poses: list) -> ShapedPoses:
+        shaped = body.shape(*values)
+        transforms, posed = [], []
+        for pose in poses:
+            world = body.world_from_apose(shaped, joint_rotations(body, pose))
+            transforms.append(body.garment_transforms(shaped, world))
+            posed.append(body.pose(shaped, world).astype(np.float32))
+        vertices = torch.as_tensor(np.stack(posed))
+        apose = torch.as_tensor(shaped.apose_vertices, dtype=torch.float32)
+        return ShapedPoses(
+            shape_vector(body, *values), apose, nearest.vertex_normals(apose[None], self.triangles)[0],
+            torch.as_tensor(np.stack(transforms), dtype=torch.float32), vertices,
+            nearest.vertex_normals(vertices, self.triangles),
+        )  # fmt: skip
+
+
+def random_shape(rng: np.random.Generator, index: int) -> tuple[dict[str, float], dict[str, float]]:
+    """Phenotypes and local changes of a random adult; the first is the reference body."""
+    if index == 0:
+        return {}, {}
+    body = AnnyBody.load()
+    phenotypes = {name: float(rng.uniform(0.05, 0.95)) for name in body.phenotypes if name != "age"}
+    phenotypes["age"] = float(rng.uniform(0.6, 0.9))
+    local = {name: float(np.clip(rng.normal(0, 0.25), -0.8, 0.8)) for name in body.local_changes}
+    return phenotypes, local
+
+
+def shape_vector(body: AnnyBody, phenotypes: dict[str, float], local: dict[str, float]) -> Tensor:
+    """Network input of a shape, (26,), zero for the reference body: phenotypes less their default, doubled; changes."""
+    reference = {p: 0.5 for p in body.phenotypes} | {"age": body.meta["reference_age"]}
+    first = [2 * (phenotypes.get(p, reference[p]) - reference[p]) for p in body.phenotypes]
+    return torch.tensor(first + [local.get(name, 0.0) for name in body.local_changes])
+
+
+@torch.no_grad()
+def carry(sample: Sample, bank: BodyBank, entry: ShapedPoses) -> tuple[Tensor, RestMesh]:
+    """The outfit on another body shape, pushed out where the carried cloth would enter the skin: (N, 3), tables."""
+    moved = entry.apose - bank.reference
+    v = sample.vertices + (moved[sample.shape_index] * sample.shape_weight[..., None]).sum(1)
+    margin = sample.distance.clamp(0, SHAPE_MARGIN)
+    edges = sample.tables[0]
+    for _ in range(4):
+        hit = nearest.nearest(v[None], entry.apose[None], sample.candidates, bank.ring)[0]
+        normal = entry.apose_normals[hit]
+        push = (margin - ((v - entry.apose[hit]) * normal).sum(1)).clamp(min=0)[:, None] * normal
+        v = v + torch.maximum(push.abs(), smooth(push, edges).abs()) * torch.sign(smooth(push, edges) + push)
+    return v, rest_mesh(v, sample.tables)
+
+
+def smooth(field: Tensor, edges: Tensor) -> Tensor:
+    """Mean of each vertex's neighbours, (N, C)."""
+    total = torch.zeros_like(field)
+    total.index_add_(0, edges[:, 0], field[edges[:, 1]]).index_add_(0, edges[:, 1], field[edges[:, 0]])
+    count = torch.zeros(len(field)).index_add_(0, edges.reshape(-1), torch.ones(edges.numel()))
+    return total / count.clamp(min=1)[:, None]
+
+
