@@ -1,0 +1,130 @@
+/** Wire types of the HTTP API (docs/api.md). Centimetres and kilograms in measurements, metres elsewhere. */
+
+export type Method = "deepsd" | "deepsd-concat" | "skinning";
+export type VertexAttribute = "strain" | "penetration";
+export type Quaternion = readonly [x: number, y: number, z: number, w: number];
+
+export interface Garment {
+  name: string;
+  vertices: number;
+  triangles: number;
+  layer: number;
+}
+
+/** What reading an upload found and mended. */
+export interface MendingReport {
+  scale_applied: number;
+  up_axis: string;
+  units: string;
+  welded_vertices: number;
+  degenerate_faces_removed: number;
+  duplicate_faces_removed: number;
+  components: number;
+  non_manifold_edges: number;
+  flipped_normals: number;
+  rest_penetration_percent: number;
+  notes: string[];
+}
+
+export interface Outfit {
+  id: string;
+  name: string;
+  vertices: number;
+  triangles: number;
+  garments: Garment[];
+  methods: string[];
+  created_at: string;
+  links: { self: string; static: string; thumbnail: string };
+  report?: MendingReport;
+}
+
+export interface OutfitPage {
+  data: Outfit[];
+  next_cursor: string | null;
+}
+
+export interface OutfitMetadata {
+  name?: string;
+  units?: "m" | "cm" | "mm" | "in";
+  up?: "y" | "z";
+}
+
+export interface PhenotypeParameter {
+  name: string;
+  label: string;
+  min: number;
+  max: number;
+  default: number;
+  low: string;
+  high: string;
+}
+
+export interface MeasurementParameter {
+  name: string;
+  label: string;
+  unit: string;
+  min: number;
+  max: number;
+  default: number;
+  description: string;
+}
+
+export interface BodyParameters {
+  phenotypes: PhenotypeParameter[];
+  measurements: MeasurementParameter[];
+}
+
+export interface Body {
+  kind: "phenotypes" | "measurements";
+  values: Record<string, number>;
+}
+
+export interface BodyRequest {
+  measurements: Record<string, number>;
+  gender?: number;
+}
+
+export interface SolvedMeasurement {
+  requested: number | null;
+  achieved: number;
+  residual: number | null;
+}
+
+export interface SolvedBody {
+  phenotypes: Record<string, number>;
+  local_changes: Record<string, number>;
+  measurements: Record<string, SolvedMeasurement>;
+  shape: Body;
+}
+
+export interface PosePreset {
+  id: string;
+  label: string;
+  group: string;
+}
+
+export interface MotionPreset {
+  id: string;
+  label: string;
+  frames: number;
+  frame_rate: number;
+}
+
+export type Pose =
+  | { kind: "preset"; id: string }
+  | { kind: "joints"; rotations: Record<string, Quaternion> };
+
+export interface DrapeRequest {
+  outfit: string;
+  body?: Body;
+  pose?: Pose;
+  motion?: string;
+  output: { include: ("outfit" | "body")[]; method?: Method; attributes?: VertexAttribute[] };
+}
+
+export interface Quality {
+  penetration_before_percent: number;
+  penetration_after_percent: number;
+  p95_edge_strain: number;
+  max_edge_stretch: number;
+}

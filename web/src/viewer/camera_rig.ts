@@ -1,0 +1,101 @@
+import { type Box3, PerspectiveCamera, Spherical, Vector3 } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+export type View = "front" | "side" | "back";
+
+const AZIMUTH: Record<View, number> = { front: 0.32, side: Math.PI / 2, back: Math.PI + 0.32 };
+const POLAR = 1.46;
+const KEY_STEP = 0.16;
+
+/** The camera, its framing of the figure, and orbiting by pointer, touch and keyboard. */
+export class CameraRig {
+  readonly camera = new PerspectiveCamera(26, 1, 0.1, 30);
+  private readonly controls: OrbitControls;
+  private readonly target = new Vector3(0, 0.86, 0);
+  private figureHeight = 1.75;
+  private figureWidth = 1.4;
+  private framed = false;
+
+  constructor(element: HTMLElement, onChange: () => void) {
+    this.controls = new OrbitControls(this.camera, element);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.09;
+    this.controls.enablePan = false;
+    this.controls.minPolarAngle = 0.35;
+    this.controls.maxPolarAngle = 1.62;
+    this.controls.minDistance = 0.9;
+    this.controls.maxDistance = 9;
+    this.controls.addEventListener("change", onChange);
+    element.addEventListener("keydown", (event) => {
+      if (this.turnByKey(event.key)) event.preventDefault();
+    });
+    this.look("front");
+  }
+
+  /** Lets the view coast; true while it still moves. */
+  advance(): boolean {
+    return this.controls.update();
+  }
+
+  resize(width: number, height: number): void {
+    const narrower = Math.abs(this.camera.aspect - width / height) > 0.01;
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (narrower) this.keepDistance();
+  }
+
+  /** Frames a figure once; later drapes leave the camera where the shopper has put it. */
+  frameOnce(bounds: Box3): void {
+    if (this.framed || bounds.isEmpty()) return;
+    this.framed = true;
+    this.frame(bounds);
+  }
+
+  frame(bounds: Box3): void {
+    this.figureHeight = Math.max(bounds.max.y - bounds.min.y, 0.3);
+    this.figureWidth = Math.max(bounds.max.x - bounds.min.x, 0.3);
+    this.target.set(0, (bounds.max.y + bounds.min.y) / 2, 0);
+    this.look("front");
+  }
+
+  look(view: View): void {
+    this.place(new Spherical(this.fittingDistance(), POLAR, AZIMUTH[view]));
+  }
+
+  private place(spherical: Spherical): void {
+    this.controls.target.copy(this.target);
+    this.camera.position.setFromSpherical(spherical).add(this.target);
+    this.controls.update();
+  }
+
+  private keepDistance(): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    this.place(new Spherical().setFromVector3(offset.setLength(this.fittingDistance())));
+  }
+
+  private fittingDistance(): number {
+    const tall = this.figureHeight * 1.22;
+    const wide = this.figureWidth * 1.2;
+    const halfAngle = Math.tan((this.camera.fov * Math.PI) / 360);
+    return Math.max(tall / 2 / halfAngle, wide / 2 / (halfAngle * this.camera.aspect));
+  }
+
+  private turnByKey(key: string): boolean {
+    const spherical = new Spherical().setFromVector3(this.camera.position.clone().sub(this.controls.target));
+    if (key === "ArrowLeft") spherical.theta -= KEY_STEP;
+    else if (key === "ArrowRight") spherical.theta += KEY_STEP;
+    else if (key === "ArrowUp") spherical.phi -= KEY_STEP / 2;
+    else if (key === "ArrowDown") spherical.phi += KEY_STEP / 2;
+    else if (key === "+" || key === "=") spherical.radius *= 0.92;
+    else if (key === "-") spherical.radius /= 0.92;
+    else if (key === "Home") spherical.set(this.fittingDistance(), POLAR, AZIMUTH.front);
+    else return false;
+    spherical.phi = Math.min(Math.max(spherical.phi, this.controls.minPolarAngle), this.controls.maxPolarAngle);
+    this.place(spherical);
+    return true;
+  }
+
+  dispose(): void {
+    this.controls.dispose();
+  }
+}

@@ -1,0 +1,43 @@
+import type { Body, DrapeRequest, Method, Pose, VertexAttribute } from "../api/types";
+
+/** What the viewer shows: the whole of a drape request, before it becomes one. */
+export interface Wish {
+  outfit: string | null;
+  body: Body | null;
+  pose: Pose | null;
+  /** A motion instead of a pose, such as `walk`. */
+  motion: string | null;
+  method: Method | null;
+  heat: VertexAttribute | null;
+}
+
+export function drapeRequest(wish: Wish & { outfit: string }): DrapeRequest {
+  // A heat map shows one still pose.
+  const heat = wish.motion ? null : wish.heat;
+  return {
+    outfit: wish.outfit,
+    ...(wish.body ? { body: wish.body } : {}),
+    ...(wish.motion ? { motion: wish.motion } : wish.pose ? { pose: wish.pose } : {}),
+    output: {
+      include: ["outfit", "body"],
+      ...(wish.method ? { method: wish.method } : {}),
+      ...(heat ? { attributes: [heat] } : {}),
+    },
+  };
+}
+
+/** Reads a `pose` attribute: a preset's id, or a pose as JSON. */
+export function parsePose(text: string | null): Pose | null {
+  if (!text) return null;
+  return text.trimStart().startsWith("{") ? (JSON.parse(text) as Pose) : { kind: "preset", id: text };
+}
+
+/** Reads a `body` attribute: a body as JSON. */
+export function parseBody(text: string | null): Body | null {
+  return text ? (JSON.parse(text) as Body) : null;
+}
+
+/** True where a drape of `next` has the vertices of a drape of `before`, so that buffers can be reused. */
+export function sameVertices(before: Wish | undefined, next: Wish): boolean {
+  return before !== undefined && before.outfit === next.outfit && !before.motion && !next.motion;
+}
