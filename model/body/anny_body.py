@@ -27,6 +27,7 @@ ANCHORS = {
     "proportions": ("idealproportions", "uncommonproportions"),
 }
 FIRST_ANCHOR = {"age": -1 / 3}
+TAPE_TENSORS = ("measure_points", "measure_t", "measure_ranges", "volume_vertices", "volume_triangles")
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,8 @@ class AnnyBody:
         self._mask = tensors["phenotype_mask"].astype(bool)
         self.shape_basis = tensors["shape_basis"].astype(np.float32) * tensors["shape_step"][:, None, None]
         self.skin_joints = tensors["skin_joints"].astype(np.int64)
+        self.template_vertices = self._t["template_vertices"]
+        self.tape = {name: tensors[name] for name in TAPE_TENSORS if name in tensors}  # see bake_measurements
 
     @staticmethod
     @lru_cache(1)
@@ -122,7 +125,7 @@ class AnnyBody:
         full[0] = root
         vertices = self._skin(rest, full, apose - np.einsum("jab,jb->ja", full, heads))
         lift = -float(vertices[:, 1].min())
-        return ShapedBody(c, rest, heads, full, apose, vertices + [0, lift, 0], lift)
+        return ShapedBody(c, rest, heads, full, apose, vertices + np.array([0, lift, 0]), lift)
 
     def world_from_apose(self, body: ShapedBody, rotations: Array, translation: Array | None = None) -> Array:
         """World rotations and positions of all joints, (J, 3, 4), for local rotations (J, 3, 3)."""
@@ -150,7 +153,8 @@ class AnnyBody:
         return out
 
     def _skin(self, vertices: Array, linear: Array, shift: Array) -> Array:
-        m = (self.dense_skin @ np.concatenate([linear, shift[:, :, None]], 2).reshape(len(linear), 12)).reshape(-1, 3, 4)
+        rows = np.concatenate([linear, shift[:, :, None]], 2).reshape(len(linear), 12)
+        m = (self.dense_skin @ rows).reshape(-1, 3, 4)
         return np.einsum("vab,vb->va", m[:, :, :3], vertices) + m[:, :, 3]
 
 

