@@ -1,0 +1,1 @@
+"""Generated outfits: garments as trimmed level sets around the reference body."""
