@@ -91,9 +91,7 @@ class Problem:
         return out
 
 
-def solve(
-    body: AnnyBody, tape: Tape, requested: dict[str, float], fixed: dict[str, float] | None = None
-) -> Solution:
+def solve(body: AnnyBody, tape: Tape, requested: dict[str, float], fixed: dict[str, float] | None = None) -> Solution:
     """The body nearest to the requested measurements {name: cm or kg}, with some phenotypes fixed.
 
     Raises ValueError on a measurement that the tape does not know.

@@ -21,7 +21,7 @@ from body.walk import FRAME_RATE, KEY_FRAMES, walk_cycle
 OUT = Path(__file__).parents[1] / "artifacts" / "poses.json"
 
 
-def hang_arms(p: Posture, raised: float = 16.0, forward: float = 12.0, bend: float = 18.0) -> None:
+def hang_arms(p: Posture, raised: float = 19.0, forward: float = 12.0, bend: float = 18.0) -> None:
     """Both arms relaxed beside the body, clear of it by a sleeve's room."""
     for side in SIDES:
         p.arm(side, raised, forward, bend)

@@ -1,6 +1,6 @@
 """One cycle of a natural walk in place, from foot paths and smooth periodic curves.
 
-The stance foot rolls over heel, sole and ball, and its contact moves backwards at a constant speed, as
+The stance foot rolls over heel, sole and toes, and its contact moves backwards at a constant speed, as
 on a treadmill; the legs follow by two-bone inverse kinematics. Amplitudes after Perry & Burnfield,
 Gait Analysis (2010), chapters 3-7: about 1.3 m/s, stance 60 % of the cycle.
 """
@@ -17,8 +17,8 @@ FRAMES, FRAME_RATE = 28, 24
 KEY_FRAMES = (0, 4, 9, 20)
 STANCE, STEP = 0.6, 0.62  # share of the cycle; how far the sole travels while it bears, metres
 #: Foot pitch (toes up positive, degrees) over the cycle from heel strike; rest is flat.
-PITCH = ([0.0, 0.09, 0.34, 0.5, 0.62, 0.74, 0.88, 1.0], [19.0, 0.0, 0.0, -14.0, -46.0, -28.0, 12.0, 19.0])
-HEEL, BALL = np.array([0.0, -0.081, -0.062]), np.array([0.0, -0.081, 0.125])  # from the ankle, metres
+PITCH = ([0.0, 0.09, 0.34, 0.5, 0.62, 0.74, 0.88, 1.0], [19.0, 0.0, 0.0, -9.0, -36.0, -26.0, 12.0, 19.0])
+HEEL, TOES = np.array([0.0, -0.079, -0.036]), np.array([0.0, -0.079, 0.203])  # from the ankle, metres
 
 
 def smooth(phase: float, keys: tuple[list[float], list[float]]) -> float:
@@ -39,7 +39,7 @@ def smooth(phase: float, keys: tuple[list[float], list[float]]) -> float:
 
 def ankle_of_contact(z: float, pitch: float) -> tuple[float, float]:
     """Height and z of the ankle while the sole whose flat ankle would be at z bears, for a foot pitch."""
-    pivot = HEEL if pitch > 0 else BALL
+    pivot = HEEL if pitch > 0 else TOES
     turned = qt.rotate(qt.about(qt.X, -pitch), pivot)
     return float(-turned[1]), float(z + pivot[2] - turned[2])
 
@@ -55,7 +55,7 @@ def ankle(phase: float) -> tuple[float, float, float]:
     t = (phase - STANCE) / (1 - STANCE)
     speed = -STEP / STANCE * (1 - STANCE)
     z = hermite(t, (z0, z1), (speed * 0.3, speed * 0.25))
-    y = hermite(t, (y0, y1), (0.12, -0.02)) + 0.035 * np.sin(np.pi * t) ** 2
+    y = hermite(t, (y0, y1), (0.12, -0.02)) + 0.014 * np.sin(np.pi * t) ** 2
     return float(y), float(z), pitch
 
 
@@ -71,7 +71,7 @@ def frame(phase: float) -> Posture:
     wave = lambda shift, times=1: float(np.cos(2 * np.pi * times * (phase - shift)))  # noqa: E731
     yaw, drop = -5.0 * wave(0.0), 4.0 * wave(0.13)
     p.turn("hips", euler(pitch=3, yaw=yaw, roll=-drop))
-    p.translation[:] = [0.022 * wave(0.32), -0.016 - 0.02 * wave(0.06, 2), 0.0]
+    p.translation[:] = [0.022 * wave(0.32), -0.022 - 0.02 * wave(0.06, 2), 0.0]
     p.torso(euler(pitch=-1, yaw=-yaw * 0.7, roll=drop * 0.6), euler(yaw=-yaw * 0.9, roll=drop * 0.5, pitch=1))
     p.head(euler(pitch=-2, yaw=yaw * 0.55, roll=-drop * 0.2))
     for side, s in SIDES.items():
@@ -86,7 +86,7 @@ def frame(phase: float) -> Posture:
 def arm_swing(p: Posture, side: str, swing: float) -> None:
     """Arm against the leg: `swing` from -1 (behind) to 1 (in front)."""
     angle = 4 + 24 * swing
-    out = 17.0
+    out = 19.0
     direction = np.array([np.tan(np.radians(out)), -1.0, np.tan(np.radians(angle))])
     raised = float(np.degrees(np.arccos(1 / np.linalg.norm(direction))))
     forward = float(np.degrees(np.arctan2(direction[2], direction[0])))
