@@ -2,7 +2,7 @@
 
 Distances are signed: from vertices of one part to the nearest vertex of the other, along that vertex's
 normal, so that a hand deep in the belly counts as inside; a vertex counts as inside where it lies
-mostly behind that normal, because the normal says nothing about points far beside it.
+mostly behind that normal and near it, because the normal says nothing about points beside or far off.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 TORSO = ("root", "pelvis.L", "pelvis.R", "spine05", "spine04", "spine03", "spine02")
 HEAD = ("head", "neck03", "neck02")
 STRIDE = 3  # every third vertex is enough: skin edges are about 1 cm
+DEEPEST = 0.15  # metres: nothing lies deeper than this inside a trunk
 #: Least distance in metres of a part's skin from the torso's and the thighs'.
 HAND_ROOM, UPPER_ARM_ROOM, LEG_ROOM = 0.03, 0.012, 0.01
 
@@ -78,7 +79,8 @@ class Clearance:
         def least(part: NDArray, other: NDArray) -> float:
             distance, near = cKDTree(v[other]).query(v[part])
             facing = np.einsum("va,va->v", v[part] - v[other[near]], n[other[near]])
-            return float(np.where(facing < -0.5 * distance, -distance, distance).min())
+            inside = (facing < -0.5 * distance) & (distance < DEEPEST)
+            return float(np.where(inside, -distance, distance).min())
 
         trunk = np.concatenate([self.torso, self.head, *self.thigh])
         return Room(
