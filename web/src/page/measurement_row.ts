@@ -40,7 +40,7 @@ export class MeasurementRow {
     this.element = make(
       "div",
       { className: "measure", data: { name } },
-      caption, this.release, field, this.slider, this.note, this.error,
+      caption, this.slider, this.release, field, this.note, this.error,
     );
     this.listen();
     this.draw();
@@ -109,7 +109,8 @@ export class MeasurementRow {
     this.slider.value = String(show(this.requested ?? this.achieved));
     this.unit.textContent = shownUnit(unit, this.system);
     this.number.placeholder = formatMeasure(show(this.achieved));
-    if (document.activeElement !== this.number || this.requested === undefined) {
+    // What is being typed is left alone, whatever answer arrives meanwhile.
+    if (document.activeElement !== this.number) {
       this.number.value = this.requested === undefined ? "" : formatMeasure(show(this.requested));
     }
     this.release.hidden = this.requested === undefined;

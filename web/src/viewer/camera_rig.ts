@@ -54,7 +54,8 @@ export class CameraRig {
   frame(bounds: Box3): void {
     this.figureHeight = Math.max(bounds.max.y - bounds.min.y, 0.3);
     this.figureWidth = Math.max(bounds.max.x - bounds.min.x, 0.3);
-    this.target.set(0, (bounds.max.y + bounds.min.y) / 2, 0);
+    // A little below the middle: room under the feet for what lies over the stage.
+    this.target.set(0, bounds.min.y + this.figureHeight * 0.45, 0);
     this.look("front");
   }
 
@@ -74,7 +75,7 @@ export class CameraRig {
   }
 
   private fittingDistance(): number {
-    const tall = this.figureHeight * 1.22;
+    const tall = this.figureHeight * 1.34;
     const wide = this.figureWidth * 1.2;
     const halfAngle = Math.tan((this.camera.fov * Math.PI) / 360);
     return Math.max(tall / 2 / halfAngle, wide / 2 / (halfAngle * this.camera.aspect));

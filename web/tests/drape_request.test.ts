@@ -1,0 +1,31 @@
+import { describe, expect, it } from "vitest";
+import { drapeRequest, parsePose, sameVertices, type Wish } from "../src/viewer/drape_request";
+
+const wish = { outfit: "abc", body: null, pose: null, motion: null, method: null, heat: null } satisfies Wish;
+
+describe("drapeRequest", () => {
+  it("leaves out what is not chosen", () => {
+    expect(drapeRequest(wish)).toEqual({ outfit: "abc", output: { include: ["outfit", "body"] } });
+  });
+
+  it("asks for the heat map's attribute with a still pose, and not with a motion", () => {
+    expect(drapeRequest({ ...wish, heat: "strain" }).output.attributes).toEqual(["strain"]);
+    const moving = drapeRequest({ ...wish, heat: "strain", motion: "walk", pose: { kind: "preset", id: "squat" } });
+    expect(moving.output.attributes).toBeUndefined();
+    expect(moving).toMatchObject({ motion: "walk" });
+    expect(moving.pose).toBeUndefined();
+  });
+});
+
+it("reuses vertices for the same outfit in still poses only", () => {
+  expect(sameVertices(wish, { ...wish, method: "skinning" })).toBe(true);
+  expect(sameVertices(wish, { ...wish, outfit: "other" })).toBe(false);
+  expect(sameVertices(wish, { ...wish, motion: "walk" })).toBe(false);
+  expect(sameVertices(undefined, wish)).toBe(false);
+});
+
+it("reads a pose attribute as a preset or as joints", () => {
+  expect(parsePose("squat")).toEqual({ kind: "preset", id: "squat" });
+  expect(parsePose('{"kind":"joints","rotations":{}}')).toEqual({ kind: "joints", rotations: {} });
+  expect(parsePose(null)).toBeNull();
+});
