@@ -115,7 +115,7 @@ def draw_tape(plot: pv.Plotter, entry: dict, points: Array) -> tuple[Array, str]
         x = 0.62 if entry["name"] == "height" else 0.0
         line = np.array([[x, points[0, 1], points[0, 2]], [x, points[1:, 1].mean(), points[0, 2]]])
         plot.add_mesh(pv.lines_from_points(line).tube(radius=0.004), color=LINE)
-        return line.mean(0) + [-0.3 if x else 0, -0.1, 0.1], text
+        return line.mean(0) + np.array([-0.3 if x else 0.0, -0.1, 0.1]), text
     if entry["name"] == "shoulder_width":
         points = points + np.array([0, 0, 0.12])  # drawn in front of the neck that it runs through
     closed = np.vstack([points, points[:1]]) if entry["kind"] == "ring" else points

@@ -6,6 +6,8 @@ import json
 
 import numpy as np
 import pytest
+from safetensors import safe_open
+
 from body import quaternions as qt
 from body.anny_body import AnnyBody
 from body.clearance import Clearance, sample_bodies
@@ -16,12 +18,24 @@ from body.pose_sampling import sample_pose, sample_poses
 from body.poses import OUT as POSES
 from body.poses import build
 from body.walk import FRAMES, STANCE, STEP, ankle, knee_bends
-from safetensors import safe_open
 
 GOLDEN = POSES.parent / "golden" / "body.safetensors"
-PRESETS = (
-    "a-pose t-pose standing contrapposto walk-1 walk-2 walk-3 walk-4 arms-up hands-on-hips sitting squat reach lunge"
-).split()
+PRESETS = [
+    "a-pose",
+    "t-pose",
+    "standing",
+    "contrapposto",
+    "walk-1",
+    "walk-2",
+    "walk-3",
+    "walk-4",
+    "arms-up",
+    "hands-on-hips",
+    "sitting",
+    "squat",
+    "reach",
+    "lunge",
+]
 
 
 @pytest.fixture(scope="module")
