@@ -51,8 +51,9 @@ def remesh(vertices: Array, triangles: Index, surface: Surface, edge: float, pas
     for i in range(50):
         count = len(vertices)
         vertices, triangles = collapse_short(vertices, triangles, 0.75 * edge, 1.4 * edge, rng)
-        triangles = flip_to_delaunay(vertices, triangles)
-        if i % 5 == 4:
+        if i % 2:
+            triangles = flip_to_delaunay(vertices, triangles)
+        if i % 6 == 5:
             vertices = relax(vertices, triangles, surface, 0.3)
         if len(vertices) > 0.985 * count:
             break
@@ -60,7 +61,7 @@ def remesh(vertices: Array, triangles: Index, surface: Surface, edge: float, pas
         vertices, triangles = split_long(vertices, triangles, 1.38 * edge)
         for _ in range(2):
             vertices, triangles = collapse_short(vertices, triangles, 0.75 * edge, 1.38 * edge, rng)
-        for _ in range(3):
+        for _ in range(2):
             triangles = flip_to_delaunay(vertices, triangles)
         vertices = relax(vertices, triangles, surface, 0.5 if i < passes - 2 else 0.3)
     for _ in range(4):
@@ -188,15 +189,19 @@ def _spoiled(vertices: Array, triangles: Index, edges: Index, plan: tuple[Array,
     return bad
 
 
-def flip_to_delaunay(vertices: Array, triangles: Index) -> Index:
-    """Flip an independent set of interior edges whose opposite angles sum to more than 180 degrees."""
+def flip_to_delaunay(vertices: Array, triangles: Index, below: float = 180.0) -> Index:
+    """Flip an independent set of interior edges whose opposite angles sum to more than 180 degrees.
+
+    Only edges of triangles with an angle under `below` degrees are considered.
+    """
     edges, sides, uses = edges_of(triangles)
     angles = corner_angles(vertices, triangles)
     total = np.bincount(sides.ravel(), angles.ravel(), len(edges))
     flat = sides.ravel()
     order = np.argsort(flat, kind="stable")
     starts = np.searchsorted(flat[order], np.arange(len(edges)))
-    rows = np.flatnonzero((uses == 2) & (total > 181))
+    thin = np.bincount(sides.ravel(), (angles.min(1) < below).repeat(3), len(edges)) > 0
+    rows = np.flatnonzero((uses == 2) & (total > 181) & thin)
     if len(rows) == 0:
         return triangles
     first, second = order[starts[rows]], order[starts[rows] + 1]

@@ -30,7 +30,7 @@ def sew(shape: Shape, body: BodyFields, worn: list[GarmentMesh], cloth: Cloth) -
     """Mesh a shape worn over `worn`; the result keeps clear of the body and of them."""
     # Coarser base meshes would lose the necklines.
     edge = min(float(np.sqrt(FACTOR[cloth.triangulation] / (0.80 * cloth.density))), 0.055)
-    vertices, triangles = _cut_out(shape, float(np.clip(0.75 * edge, 0.006, 0.020)))
+    vertices, triangles = _cut_out(shape, float(np.clip(1.15 * edge, 0.006, 0.026)))
     vertices, triangles = remesh(vertices, triangles, shape.surface, edge)
     vertices, triangles = retriangulate(vertices, triangles, shape.surface, cloth.triangulation)
     vertices = keep_clear(vertices, triangles, body, shape.pattern.skin, worn)
@@ -52,8 +52,12 @@ def retriangulate(vertices: Array, triangles: Index, surface: Surface, style: st
         vertices, triangles = kites(vertices, triangles, surface, 2 if style.endswith("alternating") else 0)
     else:
         return vertices, triangles
-    vertices = relax(vertices, triangles, surface, 0.25)
-    return vertices, flip_to_delaunay(vertices, triangles) if style == "subdivided" else triangles
+    # Quads keep their diagonals but where that would leave a sliver.
+    below = 180.0 if style == "subdivided" else 20.0
+    for _ in range(3):
+        triangles = flip_to_delaunay(vertices, triangles, below)
+        vertices = relax(vertices, triangles, surface, 0.25)
+    return vertices, flip_to_delaunay(vertices, triangles, below)
 
 
 def keep_clear(vertices: Array, triangles: Index, body: BodyFields, skin: float, worn: list[GarmentMesh]) -> Array:
