@@ -53,8 +53,7 @@ impl Pose {
         let mut out = Self::identity(body);
         for (name, &q) in rotations {
             let length = q.length();
-            // Written so that NaN fails.
-            if !((length - 1.0).abs() <= UNIT_TOLERANCE) {
+            if !(1.0 - UNIT_TOLERANCE..=1.0 + UNIT_TOLERANCE).contains(&length) {
                 return Err(PoseError::NonUnit { name: name.clone(), length });
             }
             if !body.skeleton().set_humanoid(&mut out.rotations, name, q.normalize()) {

@@ -22,7 +22,7 @@ impl SkinWeights {
         influences: usize,
         joint_count: usize,
     ) -> Option<Self> {
-        if influences == 0 || joints.len() != weights.len() || weights.len() % influences != 0 {
+        if influences == 0 || joints.len() != weights.len() || !weights.len().is_multiple_of(influences) {
             return None;
         }
         let rows = joints.chunks_exact(influences).zip(weights.chunks_exact(influences));
@@ -39,7 +39,7 @@ impl SkinWeights {
         for row in rows {
             let start = out.joints.len();
             for (joint, weight) in row.filter(|(_, w)| *w != 0.0) {
-                if usize::from(joint) >= joint_count || !(weight > 0.0) {
+                if usize::from(joint) >= joint_count || weight.is_nan() || weight < 0.0 {
                     return None;
                 }
                 match out.joints[start..].iter().position(|&j| j == joint) {

@@ -9,11 +9,13 @@ mod file;
 mod orientation;
 mod phenotypes;
 mod shape;
+mod tensors;
 
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
+use crate::measurements::{MeasurementInfo, Tape};
 use crate::pose::Pose;
 use crate::skeleton::Skeleton;
 use crate::skinning::SkinWeights;
@@ -21,7 +23,8 @@ use crate::skinning::SkinWeights;
 pub use basis::ShapeBasis;
 pub use file::BodyError;
 pub use orientation::nearest_rotation;
-pub use phenotypes::{LOCAL_CHANGES, PHENOTYPES, PhenotypeTerms};
+pub(crate) use phenotypes::AGE;
+pub use phenotypes::{CoefficientJacobian, LOCAL_CHANGES, PARAMETERS, PHENOTYPES, PhenotypeTerms};
 pub use shape::{BodyShape, REFERENCE_AGE};
 
 /// The baked body: everything that depends on neither shape nor pose. Immutable, to be shared.
@@ -33,6 +36,8 @@ pub struct Body {
     terms: PhenotypeTerms,
     template: Vec<f32>,
     basis: ShapeBasis,
+    tape: Tape,
+    measurements: Vec<MeasurementInfo>,
     joint_template: JointFrames,
     joint_basis: Vec<JointFrames>,
     reference_orientation: Vec<Mat3A>,
@@ -235,16 +240,16 @@ impl Body {
         &self.garment_skin
     }
 
-    /// Template vertices (rest space) as x, y, z, x, …, metres.
+    /// The measurements that can be taken, in the order of [`crate::measurements::Measurement::ALL`].
     #[must_use]
-    pub fn template(&self) -> &[f32] {
-        &self.template
+    pub fn measurements(&self) -> &[MeasurementInfo] {
+        &self.measurements
     }
 
-    /// The basis of vertex positions over shape coefficients.
+    /// The tapes of the measurements.
     #[must_use]
-    pub fn basis(&self) -> &ShapeBasis {
-        &self.basis
+    pub fn tape(&self) -> &Tape {
+        &self.tape
     }
 
     /// How shape coefficients follow from phenotypes and local changes.

@@ -13,7 +13,7 @@ pub const LOCAL_CHANGES: usize = 20;
 /// Number of parameters of a shape.
 pub const PARAMETERS: usize = PHENOTYPES + LOCAL_CHANGES;
 /// Index of age among the phenotypes.
-pub(super) const AGE: usize = 1;
+pub(crate) const AGE: usize = 1;
 const MOST_ANCHORS: usize = 5;
 
 /// Phenotypes in order: name, value at the first anchor (the last is at 1), anchors.
@@ -44,8 +44,8 @@ pub(super) fn anchor(name: &str) -> Option<(usize, usize)> {
 pub struct PhenotypeTerms {
     /// Anchors (phenotype, place on its scale) that each term multiplies.
     pub(super) terms: Vec<Vec<(usize, usize)>>,
-    /// (term, coefficient, factor), only what is not zero.
-    pub(super) projection: Vec<(usize, usize, f64)>,
+    /// What each term adds to the coefficients that phenotypes drive, (terms, coefficients), row-major.
+    pub(super) projection: Vec<f32>,
     /// Number of coefficients that phenotypes drive; those of the local changes follow.
     pub(super) phenotype_coefficients: usize,
 }
@@ -63,55 +63,75 @@ impl PhenotypeTerms {
     /// Coefficients of a shape, (coefficients,).
     #[must_use]
     pub fn coefficients(&self, shape: &BodyShape) -> Vec<f32> {
-        self.evaluate(&parameters(shape)).iter().map(|&c| c as f32).collect()
+        self.evaluate(&shape.parameters()).iter().map(|&c| c as f32).collect()
     }
 
     /// Coefficients of parameters (phenotypes, then local changes) in double precision.
     #[must_use]
     pub fn evaluate(&self, parameters: &[f64; PARAMETERS]) -> Vec<f64> {
         let levels: [Levels; PHENOTYPES] = std::array::from_fn(|p| levels(p, parameters[p]).0);
-        let products: Vec<f64> =
-            self.terms.iter().map(|term| term.iter().map(|&(p, k)| levels[p][k]).product()).collect();
-        let mut out = vec![0.0; self.coefficient_count()];
-        for &(term, coefficient, factor) in &self.projection {
-            out[coefficient] += products[term] * factor;
-        }
-        for (k, &change) in parameters[PHENOTYPES..].iter().enumerate() {
-            out[self.phenotype_coefficients + 2 * k] = change.max(0.0);
-            out[self.phenotype_coefficients + 2 * k + 1] = (-change).max(0.0);
+        let product = |term: &Vec<(usize, usize)>| term.iter().map(|&(p, k)| levels[p][k]).product();
+        let mut out = self.project(self.terms.iter().map(product));
+        for &change in &parameters[PHENOTYPES..] {
+            out.extend([change.max(0.0), (-change).max(0.0)]);
         }
         out
     }
 
-    /// Derivative of every coefficient by every parameter, (coefficients, parameters).
+    /// Derivative of the coefficients by the parameters.
     ///
-    /// Coefficients have kinks at anchors; there the derivative is that of the side above.
+    /// Coefficients have kinks at anchors; there the derivative is the mean of both sides.
     #[must_use]
-    pub fn jacobian(&self, parameters: &[f64; PARAMETERS]) -> Vec<[f64; PARAMETERS]> {
+    pub fn jacobian(&self, parameters: &[f64; PARAMETERS]) -> CoefficientJacobian {
         let scales: [(Levels, Levels); PHENOTYPES] = std::array::from_fn(|p| levels(p, parameters[p]));
-        let mut out = vec![[0.0; PARAMETERS]; self.coefficient_count()];
-        for &(term, coefficient, factor) in &self.projection {
-            for &(by, at) in &self.terms[term] {
-                let others: f64 =
-                    self.terms[term].iter().filter(|(p, _)| *p != by).map(|&(p, k)| scales[p].0[k]).product();
-                out[coefficient][by] += scales[by].1[at] * others * factor;
-            }
-        }
-        for (k, &change) in parameters[PHENOTYPES..].iter().enumerate() {
-            let (positive, negative) = if change >= 0.0 { (1.0, 0.0) } else { (0.0, -1.0) };
-            out[self.phenotype_coefficients + 2 * k][PHENOTYPES + k] = positive;
-            out[self.phenotype_coefficients + 2 * k + 1][PHENOTYPES + k] = negative;
+        let phenotypes = std::array::from_fn(|by| {
+            self.project(self.terms.iter().map(|term| {
+                let mut parts =
+                    term.iter().map(|&(p, k)| if p == by { scales[p].1[k] } else { scales[p].0[k] });
+                if term.iter().any(|(p, _)| *p == by) { parts.by_ref().product() } else { 0.0 }
+            }))
+        });
+        let positive = std::array::from_fn(|k| match parameters[PHENOTYPES + k] {
+            0.0 => 0.5,
+            change => f64::from(u8::from(change > 0.0)),
+        });
+        CoefficientJacobian { phenotypes, positive }
+    }
+
+    /// Terms × projection, (coefficients that phenotypes drive,).
+    fn project(&self, terms: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut out = vec![0.0; self.phenotype_coefficients];
+        let rows = self.projection.chunks_exact(self.phenotype_coefficients.max(1));
+        for (term, row) in terms.zip(rows).filter(|(term, _)| *term != 0.0) {
+            out.iter_mut().zip(row).for_each(|(o, &factor)| *o += term * f64::from(factor));
         }
         out
     }
 }
 
-/// Phenotypes, then local changes.
-pub(crate) fn parameters(shape: &BodyShape) -> [f64; PARAMETERS] {
-    let mut out = [0.0; PARAMETERS];
-    let values = shape.phenotypes.iter().chain(&shape.local_changes);
-    out.iter_mut().zip(values).for_each(|(o, &v)| *o = f64::from(v));
-    out
+/// Derivative of the coefficients by the parameters, without its zeros.
+#[derive(Debug)]
+pub struct CoefficientJacobian {
+    /// Of the coefficients that phenotypes drive, by each phenotype.
+    phenotypes: [Vec<f64>; PHENOTYPES],
+    /// Of a local change's positive part; its negative part has this less 1.
+    positive: [f64; LOCAL_CHANGES],
+}
+
+impl CoefficientJacobian {
+    /// Derivative by the parameters of what has a `gradient` by the coefficients.
+    #[must_use]
+    pub fn pull_back(&self, gradient: &[f64]) -> [f64; PARAMETERS] {
+        let mut out = [0.0; PARAMETERS];
+        for (slot, row) in out.iter_mut().zip(&self.phenotypes) {
+            *slot = row.iter().zip(gradient).map(|(d, g)| d * g).sum();
+        }
+        let local = gradient.get(self.phenotypes[0].len()..).unwrap_or(&[]).as_chunks::<2>().0;
+        for ((slot, positive), [up, down]) in out[PHENOTYPES..].iter_mut().zip(self.positive).zip(local) {
+            *slot = up * positive + down * (positive - 1.0);
+        }
+        out
+    }
 }
 
 /// Level of every anchor of phenotype `p` at `value`, and its derivative.
@@ -125,7 +145,11 @@ fn levels(p: usize, value: f64) -> (Levels, Levels) {
     let share = at - below as f64;
     let (mut level, mut slope) = ([0.0; MOST_ANCHORS], [0.0; MOST_ANCHORS]);
     (level[below], level[below + 1]) = (1.0 - share, share);
-    (slope[below], slope[below + 1]) = (-1.0 / spacing, 1.0 / spacing);
+    if share == 0.0 && below > 0 {
+        (slope[below - 1], slope[below + 1]) = (-0.5 / spacing, 0.5 / spacing);
+    } else {
+        (slope[below], slope[below + 1]) = (-1.0 / spacing, 1.0 / spacing);
+    }
     (level, slope)
 }
 
@@ -136,7 +160,7 @@ mod tests {
     fn sample() -> PhenotypeTerms {
         PhenotypeTerms {
             terms: vec![vec![(0, 1), (3, 2)], vec![(1, 3)], vec![(0, 0), (1, 4), (4, 1)]],
-            projection: vec![(0, 0, 2.0), (1, 0, -1.0), (2, 1, 0.5)],
+            projection: vec![2.0, 0.0, -1.0, 0.0, 0.0, 0.5],
             phenotype_coefficients: 2,
         }
     }
@@ -153,24 +177,33 @@ mod tests {
     }
 
     #[test]
+    fn at_a_kink_the_slope_is_the_mean_of_both_sides() {
+        let at: [f64; PARAMETERS] = BodyShape::default().parameters();
+        let by = |coefficient: usize| {
+            let mut gradient = vec![0.0; 42];
+            gradient[coefficient] = 1.0;
+            sample().jacobian(&at).pull_back(&gradient)
+        };
+        assert_eq!(by(0)[AGE], 0.0);
+        // Factor × male × maxheight × half of the slope to `old`.
+        assert!((by(1)[AGE] - 0.5 * 0.5 * 0.5 * 1.5).abs() < 1e-12);
+        assert_eq!((by(2)[PHENOTYPES], by(3)[PHENOTYPES]), (0.5, -0.5));
+    }
+
+    #[test]
     fn the_jacobian_agrees_with_finite_differences() {
         let terms = sample();
         let at: [f64; PARAMETERS] =
             std::array::from_fn(|k| if k < 6 { 0.13 + 0.14 * k as f64 } else { 0.31 - 0.03 * k as f64 });
-        let jacobian = terms.jacobian(&at);
-        for k in 0..PARAMETERS {
+        let gradient: Vec<f64> = (0..42).map(|c| 1.0 + 0.1 * c as f64).collect();
+        let found = terms.jacobian(&at).pull_back(&gradient);
+        let value = |at| terms.evaluate(&at).iter().zip(&gradient).map(|(c, g)| c * g).sum::<f64>();
+        for (k, found) in found.into_iter().enumerate() {
             let (mut above, mut below) = (at, at);
             above[k] += 1e-6;
             below[k] -= 1e-6;
-            let (above, below) = (terms.evaluate(&above), terms.evaluate(&below));
-            for (c, row) in jacobian.iter().enumerate() {
-                let expected = (above[c] - below[c]) / 2e-6;
-                assert!(
-                    (row[k] - expected).abs() < 1e-6,
-                    "coefficient {c} by {k}: {} not {expected}",
-                    row[k]
-                );
-            }
+            let expected = (value(above) - value(below)) / 2e-6;
+            assert!((found - expected).abs() < 1e-6, "by {k}: {found}, not {expected}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::phenotypes::{LOCAL_CHANGES, PHENOTYPES};
+use super::phenotypes::{AGE, LOCAL_CHANGES, PARAMETERS, PHENOTYPES};
 use super::{Body, BodyError};
 
 /// Age of the reference body as a phenotype: a young adult.
@@ -20,7 +20,7 @@ pub struct BodyShape {
 impl Default for BodyShape {
     fn default() -> Self {
         let mut phenotypes = [0.5; PHENOTYPES];
-        phenotypes[super::phenotypes::AGE] = REFERENCE_AGE;
+        phenotypes[AGE] = REFERENCE_AGE;
         Self { phenotypes, local_changes: [0.0; LOCAL_CHANGES] }
     }
 }
@@ -62,12 +62,29 @@ impl BodyShape {
 
     /// The parameters' bit patterns: equal exactly when the shapes are, for use as the key of a cache.
     #[must_use]
-    pub fn key(&self) -> [u32; PHENOTYPES + LOCAL_CHANGES] {
+    pub fn key(&self) -> [u32; PARAMETERS] {
         let mut out = [0; PHENOTYPES + LOCAL_CHANGES];
         for (key, value) in out.iter_mut().zip(self.phenotypes.into_iter().chain(self.local_changes)) {
             // -0.0 and 0.0 are the same shape.
             *key = (value + 0.0).to_bits();
         }
         out
+    }
+
+    /// Phenotypes, then local changes.
+    pub(crate) fn parameters(&self) -> [f64; PARAMETERS] {
+        let mut out = [0.0; PARAMETERS];
+        let values = self.phenotypes.iter().chain(&self.local_changes);
+        out.iter_mut().zip(values).for_each(|(o, &v)| *o = f64::from(v));
+        out
+    }
+
+    /// The inverse of [`Self::parameters`].
+    pub(crate) fn from_parameters(parameters: &[f64; PARAMETERS]) -> Self {
+        let at = |k: usize| parameters[k] as f32;
+        Self {
+            phenotypes: std::array::from_fn(at),
+            local_changes: std::array::from_fn(|k| at(PHENOTYPES + k)),
+        }
     }
 }
