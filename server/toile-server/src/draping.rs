@@ -1,0 +1,84 @@
+//! One drape from request to bytes, as it runs on a worker thread and in the command line.
+
+use std::time::Instant;
+
+use bytes::Bytes;
+use toile_drape::network::Networks;
+use toile_drape::pipeline::{self, Drape, DrapeRequest, Motion, Quality};
+use toile_gltf::{FrameView, Scene, write_drape};
+
+use crate::assets::Assets;
+use crate::errors::ApiError;
+use crate::requests::{Attribute, DrapeBody, OutputRequest, Part};
+use crate::server_timing::ServerTiming;
+use crate::wardrobe::Prepared;
+
+/// A finished drape.
+#[derive(Debug)]
+pub struct Draped {
+    /// The scene.
+    pub glb: Bytes,
+    /// How good it is.
+    pub quality: Quality,
+    /// Body and poses that it was made for.
+    pub motion: Motion,
+    /// Milliseconds of every stage.
+    pub timing: ServerTiming,
+}
+
+/// Body and pose, drape, GLB.
+///
+/// # Errors
+/// When body or pose is refused or a computation fails.
+pub fn drape(
+    assets: &Assets,
+    prepared: &Prepared,
+    request: &DrapeBody,
+    networks: &mut dyn Networks,
+) -> Result<Draped, ApiError> {
+    let mut timing = ServerTiming::default();
+    let started = Instant::now();
+    let motion = request.motion(assets)?;
+    timing.add_since("motion", started, None);
+    let work = DrapeRequest {
+        outfit: &prepared.outfit,
+        statics: &prepared.statics,
+        motion: &motion,
+        method: request.method()?,
+    };
+    let drape = pipeline::drape(&assets.studio, &work, networks)?;
+    drape.timing.stages().for_each(|(stage, milliseconds)| timing.add(stage, milliseconds));
+    let started = Instant::now();
+    let glb = encode(assets, prepared, &drape, &motion, &request.output)?;
+    timing.add_since("encode", started, None);
+    Ok(Draped { glb, quality: drape.quality, motion, timing })
+}
+
+fn encode(
+    assets: &Assets,
+    prepared: &Prepared,
+    drape: &Drape,
+    motion: &Motion,
+    output: &OutputRequest,
+) -> Result<Bytes, ApiError> {
+    let with = |attribute| output.attributes.contains(&attribute);
+    let frames: Vec<FrameView<'_>> = drape
+        .frames
+        .iter()
+        .map(|frame| FrameView {
+            positions: &frame.positions,
+            normals: &frame.normals,
+            strain: if with(Attribute::Strain) { &frame.strain } else { &[] },
+            penetration: if with(Attribute::Penetration) { &frame.penetration } else { &[] },
+            body: &frame.body,
+        })
+        .collect();
+    let scene = Scene {
+        outfit: output.include.contains(&Part::Outfit).then_some(&prepared.template),
+        body: output.include.contains(&Part::Body).then_some(&assets.body_template),
+        frames: &frames,
+        frame_rate: motion.frame_rate,
+        textures: output.textures,
+    };
+    Ok(write_drape(&scene).map_err(ApiError::internal)?.into())
+}

@@ -1,0 +1,47 @@
+//! `toile`: the server and its command line.
+
+mod answers;
+mod assets;
+mod cli;
+mod domain_errors;
+mod draping;
+mod errors;
+mod files;
+mod gallery;
+mod hash;
+mod json;
+mod lifecycle;
+mod listener;
+mod locations;
+mod measurements;
+mod request_id;
+mod requests;
+mod routes;
+mod server_timing;
+mod service;
+mod static_files;
+mod store;
+mod upload;
+mod wardrobe;
+mod workers;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use tracing_subscriber::EnvFilter;
+
+/// What is logged unless `RUST_LOG` says otherwise.
+const DEFAULT_LOG: &str = "info,ort=warn,sqlx=warn";
+
+#[tokio::main]
+async fn main() -> ExitCode {
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(DEFAULT_LOG));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    match cli::run(cli::Cli::parse()).await {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("toile: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

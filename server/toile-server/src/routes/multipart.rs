@@ -1,0 +1,81 @@
+//! The form of an upload.
+
+use axum::extract::multipart::{Field, MultipartError, MultipartRejection};
+use axum::extract::{FromRequest, Multipart, Request};
+use axum::http::StatusCode;
+use bytes::{Bytes, BytesMut};
+
+use crate::errors::{ApiError, Code};
+use crate::json::parse;
+use crate::upload::{Metadata, Upload};
+
+/// A file and what is stated about it.
+pub struct UploadForm {
+    /// The bytes of the file.
+    pub file: Bytes,
+    /// Its name and metadata.
+    pub upload: Upload,
+}
+
+impl<S: Send + Sync> FromRequest<S> for UploadForm {
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
+        let mut form = Multipart::from_request(request, state).await.map_err(not_multipart)?;
+        let (mut file, mut metadata) = (None, None);
+        while let Some(field) = form.next_field().await.map_err(broken)? {
+            match field.name() {
+                Some("file") if file.is_none() => {
+                    let name = field.file_name().map(str::to_owned);
+                    file = Some((name, read(field, toile_gltf::MAX_BYTES).await?));
+                }
+                Some("metadata") if metadata.is_none() => {
+                    let bytes = read(field, super::MAX_JSON_BYTES).await?;
+                    metadata = Some(parse::<Metadata>(&bytes).map_err(|error| error.under("/metadata"))?);
+                }
+                name => return Err(unexpected(name.unwrap_or(""))),
+            }
+        }
+        let missing = || ApiError::new(Code::MissingField, "The form needs a part `file`.").at("/file");
+        let (file_name, file) = file.ok_or_else(missing)?;
+        Ok(Self { file, upload: Upload { file_name, metadata: metadata.unwrap_or_default() } })
+    }
+}
+
+async fn read(mut field: Field<'_>, limit: usize) -> Result<Bytes, ApiError> {
+    let mut bytes = BytesMut::new();
+    while let Some(chunk) = field.chunk().await.map_err(broken)? {
+        if bytes.len() + chunk.len() > limit {
+            let name = field.name().unwrap_or("").to_owned();
+            let detail = format!("The part `{name}` is larger than {limit} bytes.");
+            return Err(ApiError::new(Code::TooLarge, detail).at(format!("/{name}")));
+        }
+        bytes.extend_from_slice(&chunk);
+    }
+    Ok(bytes.freeze())
+}
+
+fn unexpected(name: &str) -> ApiError {
+    let detail =
+        format!("The form takes one part `file` and at most one `metadata`; \"{name}\" is one too many.");
+    ApiError::new(Code::UnknownField, detail).at(crate::requests::member(name))
+}
+
+fn not_multipart(rejection: MultipartRejection) -> ApiError {
+    match rejection {
+        MultipartRejection::InvalidBoundary(_) => {
+            let detail = "Send the upload as multipart/form-data with a boundary.";
+            ApiError::new(Code::UnsupportedMediaType, detail)
+        }
+        other => ApiError::new(Code::InvalidMultipart, other.body_text()),
+    }
+}
+
+fn broken(error: MultipartError) -> ApiError {
+    match error.status() {
+        StatusCode::PAYLOAD_TOO_LARGE => {
+            ApiError::new(Code::TooLarge, "The upload is larger than 64 MiB.").at("/file")
+        }
+        _ => ApiError::new(Code::InvalidMultipart, format!("The form breaks off or is malformed: {error}.")),
+    }
+}

@@ -1,0 +1,255 @@
+//! Outfits ready to be draped: memory, then disk, then computed, each only once however many ask.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use bytes::Bytes;
+use moka::future::Cache;
+use moka::policy::EvictionPolicy;
+use toile_drape::network::Networks;
+use toile_drape::outfit::{Outfit, Report};
+use toile_drape::static_pass::StaticPass;
+use toile_geometry::normals::vertex_normals;
+use toile_gltf::{FrameView, OutfitTemplate, Scene, WriteError, write_drape};
+
+use crate::assets::Assets;
+use crate::errors::{ApiError, Code};
+use crate::server_timing::ServerTiming;
+use crate::static_files;
+use crate::store::{NewOutfit, Store, StoredOutfit, Summary};
+use crate::upload::Upload;
+use crate::workers::Workers;
+
+/// Everything about an outfit that does not depend on body or pose.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The outfit as built.
+    pub outfit: Outfit,
+    /// Its static pass.
+    pub statics: StaticPass,
+    /// What all its GLBs have in common.
+    pub template: OutfitTemplate,
+}
+
+impl Prepared {
+    /// Puts an outfit and its static pass together.
+    pub fn new(mut outfit: Outfit, statics: StaticPass) -> Self {
+        let template = OutfitTemplate::new(&outfit);
+        // The template has them now, and nothing else asks for them.
+        for material in &mut outfit.materials {
+            (material.base_color_picture, material.normal_picture) = (None, None);
+        }
+        Self { outfit, statics, template }
+    }
+
+    /// The repaired rest pose on the reference body as a GLB.
+    ///
+    /// # Errors
+    /// When it cannot be written, which is a mistake of ours.
+    pub fn rest_glb(&self) -> Result<Vec<u8>, WriteError> {
+        let positions = self.statics.rest_positions();
+        let normals = vertex_normals(positions, &self.outfit.triangles);
+        let frame = FrameView { positions, normals: &normals, ..FrameView::default() };
+        let outfit = Some(&self.template);
+        write_drape(&Scene { outfit, body: None, frames: &[frame], frame_rate: 1.0, textures: true })
+    }
+
+    fn byte_size(&self) -> usize {
+        let outfit = &self.outfit;
+        let corners = (outfit.triangles.len() + outfit.surface.triangles.len()) * size_of::<[u32; 3]>();
+        let points = size_of_val(outfit.positions.as_slice()) + size_of_val(outfit.surface.uvs.as_slice());
+        let drawn = size_of_val(outfit.surface.vertex_of.as_slice());
+        corners + points + drawn + self.statics.byte_size() + self.template.byte_size()
+    }
+}
+
+/// Where a prepared outfit came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// It was in memory, or another request was already getting it.
+    Memory,
+    /// Its static pass was on disk.
+    Disk,
+    /// Its static pass had to be computed.
+    Computed,
+}
+
+impl Source {
+    /// The word in `Server-Timing`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Memory => "memory",
+            Self::Disk => "disk",
+            Self::Computed => "computed",
+        }
+    }
+}
+
+/// The cache of prepared outfits, and the way in for new ones.
+pub struct Wardrobe {
+    kept: Cache<String, Arc<Prepared>>,
+    assets: Arc<Assets>,
+    store: Store,
+    workers: Arc<Workers>,
+    fingerprint: String,
+}
+
+impl Wardrobe {
+    /// Keeps at most `memory_bytes` of prepared outfits. `fingerprint` is that of the workers' networks.
+    pub fn new(
+        assets: Arc<Assets>,
+        store: Store,
+        workers: Arc<Workers>,
+        fingerprint: String,
+        memory_bytes: u64,
+    ) -> Self {
+        let weigher =
+            |_: &String, prepared: &Arc<Prepared>| u32::try_from(prepared.byte_size()).unwrap_or(u32::MAX);
+        let policy = EvictionPolicy::lru();
+        let kept =
+            Cache::builder().max_capacity(memory_bytes).weigher(weigher).eviction_policy(policy).build();
+        Self { kept, assets, store, workers, fingerprint }
+    }
+
+    /// The address of an outfit's static pass.
+    pub fn static_key(&self, id: &str) -> String {
+        static_files::key(id, &self.fingerprint, &self.assets.body_hash)
+    }
+
+    /// The outfit of this id, ready to be draped.
+    ///
+    /// # Errors
+    /// `unknown-outfit`, or why it cannot be prepared now.
+    pub async fn get(&self, id: &str) -> Result<(Arc<Prepared>, Source), ApiError> {
+        let mut source = Source::Memory;
+        let load = async {
+            let (prepared, from) = self.load(id).await?;
+            source = from;
+            Ok(prepared)
+        };
+        let entry = self.kept.entry_by_ref(id).or_try_insert_with(load).await;
+        let prepared = entry.map_err(|error: Arc<ApiError>| (*error).clone())?.into_value();
+        Ok((prepared, source))
+    }
+
+    async fn load(&self, id: &str) -> Result<(Arc<Prepared>, Source), ApiError> {
+        let stored = self.stored(id).await?;
+        let (assets, data, key) = (Arc::clone(&self.assets), self.store.data().clone(), self.static_key(id));
+        let prepare = move |networks: &mut dyn Networks| {
+            let path = data.static_pass(&key);
+            if let Some((outfit, statics)) = static_files::load(&path, &key) {
+                return Ok((Prepared::new(outfit, statics), Source::Disk));
+            }
+            let file = std::fs::read(data.outfit(&stored.outfit.id)).map_err(ApiError::internal)?;
+            let (outfit, _) = stored.outfit.upload.read(&file, &assets)?;
+            let statics = compute(&outfit, &stored.outfit.upload, &assets, networks)?;
+            static_files::save(&path, &key, &outfit, &statics);
+            Ok::<_, ApiError>((Prepared::new(outfit, statics), Source::Computed))
+        };
+        let (prepared, source) = self.workers.run(prepare).await??;
+        // It may have been deleted meanwhile.
+        self.stored(id).await?;
+        Ok((Arc::new(prepared), source))
+    }
+
+    /// The row of an outfit.
+    ///
+    /// # Errors
+    /// `unknown-outfit` when there is none.
+    pub async fn stored(&self, id: &str) -> Result<StoredOutfit, ApiError> {
+        let unknown = || ApiError::new(Code::UnknownOutfit, format!("There is no outfit \"{id}\"."));
+        self.store.get(id).await?.ok_or_else(unknown)
+    }
+
+    /// Takes in an upload: read, build, static pass, and only then file and row, so that an outfit that
+    /// cannot be draped leaves nothing behind. Returns whether it is new.
+    ///
+    /// # Errors
+    /// Why the upload is refused or cannot be kept.
+    pub async fn add(
+        &self,
+        file: Bytes,
+        upload: Upload,
+        timing: &mut ServerTiming,
+    ) -> Result<(StoredOutfit, bool), ApiError> {
+        let started = Instant::now();
+        let (hashed, bytes) = (upload.clone(), file.clone());
+        let id = self.workers.run(move |_| hashed.id(&bytes)).await?.map_err(ApiError::internal)?;
+        if let Some(stored) = self.store.get(&id).await? {
+            return Ok((stored, false));
+        }
+        timing.add_since("hash", started, None);
+        let (new, prepared) = self.prepare_new(id, file.clone(), upload, timing).await?;
+        let started = Instant::now();
+        let key = self.static_key(&new.id);
+        let id = new.id.clone();
+        let is_new = match self.store.keep(new, file).await {
+            Ok(is_new) => is_new,
+            Err(error) => {
+                crate::files::remove_if_present(&self.store.data().static_pass(&key))
+                    .map_err(ApiError::internal)?;
+                return Err(error.into());
+            }
+        };
+        self.kept.insert(id.clone(), Arc::new(prepared)).await;
+        timing.add_since("keep", started, None);
+        Ok((self.stored(&id).await?, is_new))
+    }
+
+    async fn prepare_new(
+        &self,
+        id: String,
+        file: Bytes,
+        upload: Upload,
+        timing: &mut ServerTiming,
+    ) -> Result<(NewOutfit, Prepared), ApiError> {
+        let (assets, data, key) = (Arc::clone(&self.assets), self.store.data().clone(), self.static_key(&id));
+        let mut stages = std::mem::take(timing);
+        let prepare = move |networks: &mut dyn Networks| {
+            let started = Instant::now();
+            let (outfit, report) = upload.read(&file, &assets)?;
+            stages.add_since("build", started, None);
+            let started = Instant::now();
+            let statics = compute(&outfit, &upload, &assets, networks)?;
+            static_files::save(&data.static_pass(&key), &key, &outfit, &statics);
+            stages.add_since("static", started, Some(Source::Computed.name()));
+            let new = new_outfit(id, upload, &outfit, report);
+            Ok::<_, ApiError>((new, Prepared::new(outfit, statics), stages))
+        };
+        let (new, prepared, stages) = self.workers.run(prepare).await??;
+        *timing = stages;
+        Ok((new, prepared))
+    }
+
+    /// Removes an outfit from disk and memory. Returns whether there was one.
+    ///
+    /// # Errors
+    /// When the store fails.
+    pub async fn remove(&self, id: &str) -> Result<bool, ApiError> {
+        let removed = self.store.delete(id, &self.static_key(id)).await?;
+        self.kept.invalidate(id).await;
+        Ok(removed)
+    }
+}
+
+fn compute(
+    outfit: &Outfit,
+    upload: &Upload,
+    assets: &Assets,
+    networks: &mut dyn Networks,
+) -> Result<StaticPass, ApiError> {
+    let started = Instant::now();
+    let statics = assets.studio.static_pass(outfit, &upload.fitted_on(assets)?, networks)?;
+    let milliseconds = crate::server_timing::milliseconds_since(started);
+    tracing::info!(
+        outfit = outfit.name,
+        vertices = outfit.positions.len(),
+        milliseconds,
+        "static pass computed"
+    );
+    Ok(statics)
+}
+
+fn new_outfit(id: String, upload: Upload, outfit: &Outfit, report: Report) -> NewOutfit {
+    NewOutfit { id, name: outfit.name.clone(), upload, summary: Summary::of(outfit), report }
+}
