@@ -6,7 +6,9 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum OutfitError {
     /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} of mesh \"{mesh}\" is not a finite point; export the mesh again without NaN or infinite coordinates")]
+    #[error(
+        "vertex {vertex} of mesh \"{mesh}\" is not a finite point; export the mesh again without NaN or infinite coordinates"
+    )]
     NonFinitePosition {
         /// Name of the mesh.
         mesh: String,
@@ -26,10 +28,14 @@ pub enum OutfitError {
         count: usize,
     },
     /// Nothing with an area is left.
-    #[error("the outfit has no triangles with an area; upload a mesh of faces, not points, lines or collapsed faces")]
+    #[error(
+        "the outfit has no triangles with an area; upload a mesh of faces, not points, lines or collapsed faces"
+    )]
     NoTriangles,
     /// More separate garments than one outfit may have.
-    #[error("the outfit has {count} garments and at most {limit} are allowed; join pieces that belong together, or upload them as several outfits")]
+    #[error(
+        "the outfit has {count} garments and at most {limit} are allowed; join pieces that belong together, or upload them as several outfits"
+    )]
     TooLarge {
         /// Garments found.
         count: usize,
@@ -37,7 +43,9 @@ pub enum OutfitError {
         limit: usize,
     },
     /// The size fits no person.
-    #[error("the outfit is {extent_m:.3} m across after scaling by {scale}; state the file's `units` (m, cm, mm or in)")]
+    #[error(
+        "the outfit is {extent_m:.3} m across after scaling by {scale}; state the file's `units` (m, cm, mm or in)"
+    )]
     WrongUnits {
         /// Largest extent of the bounding box, metres.
         extent_m: f32,
@@ -45,7 +53,9 @@ pub enum OutfitError {
         scale: f32,
     },
     /// The size fits, the place does not.
-    #[error("{percent:.0} % of the outfit is {place}; place it on the body that it is fitted on (feet at the origin, facing +Z), see /v1/body/reference.glb")]
+    #[error(
+        "{percent:.0} % of the outfit is {place}; place it on the body that it is fitted on (feet at the origin, facing +Z), see /v1/body/reference.glb"
+    )]
     OffBody {
         /// Share of the vertices, percent.
         percent: f32,

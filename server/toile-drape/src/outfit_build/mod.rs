@@ -1,6 +1,16 @@
 //! From the meshes of a file to an outfit: welded, mended, split into garments, ordered into layers.
+//!
+//! The line: weld → drop bad faces → place on the body → orient → components → garments → layers → outfit.
 
+mod assemble;
+mod components;
 mod error;
+mod faces;
+mod garments;
+mod layers;
+mod orient;
+mod placement;
+mod weld;
 
 use glam::Vec3;
 
@@ -27,9 +37,21 @@ pub struct OutfitSource {
 /// # Errors
 /// When the meshes are no outfit on that body; see [`OutfitError`].
 pub fn build(
-    _source: OutfitSource,
-    _body_vertices: &[Vec3],
-    _body_triangles: &[[u32; 3]],
+    source: OutfitSource,
+    body_vertices: &[Vec3],
+    body_triangles: &[[u32; 3]],
 ) -> Result<(Outfit, Report), OutfitError> {
-    Err(OutfitError::NoTriangles)
+    let mut report = source.report.clone();
+    let mut soup = weld::weld(&source, &mut report)?;
+    faces::drop_bad(&mut soup, &mut report)?;
+    placement::check_size(&soup, &report)?;
+    let placement = placement::Placement::measure(&soup, body_vertices, body_triangles)?;
+    report.rest_penetration_percent = placement.penetration_percent(&soup);
+    orient::orient(&mut soup, &placement, &mut report);
+    let components = components::find(&soup);
+    report.components = components.len();
+    let drafts = garments::group(&soup, &components, &source, &mut report)?;
+    let layers = layers::order(&drafts, &soup, &placement, &source.layers)?;
+    let outfit = assemble::assemble(source, soup, drafts, &layers);
+    Ok((outfit, report))
 }
