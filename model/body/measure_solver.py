@@ -6,7 +6,7 @@ and the `measure-*` local changes in [-1, 1]. With m(x) in cm and kg and targets
     sum (m(x) - t)^2 + PHENOTYPE_PULL sum (x_p - 1/2)^2 + LOCAL_PULL sum x_l^2
 
 so that what the measurements leave open stays average. Bounds: a projected step over the unknowns that
-are not pushed against a bound (Kelley, Iterative Methods for Optimization, 1999, section 5.5).
+are not pushed against a bound (Kelley, Iterative Methods for Optimization, 1999, chapter 5).
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 Every tape is laid once, on the reference body at rest, and kept as points of the surface (an edge's two
 vertices and how far along it), so that its length is a smooth function of the shape. A ring is a plane
 cut of the trunk or of one limb, arms left out; a taut tape bridges hollows, so it keeps the points that
-lie on the cut's convex hull on most adults. Clause numbers are those of ISO 8559-1. Positions: rest
-space, metres.
+lie on the cut's convex hull on most adults. Landmarks and tapes follow the definitions of ISO 8559-1 as
+nearly as a body with arms and legs apart allows. Positions: rest space, metres.
 """
 
 from __future__ import annotations
@@ -103,25 +103,25 @@ class Reference:
 
     @cached_property
     def bust_level(self) -> float:
-        """Height of the bust points: the most forward of the chest (ISO 3.1.9)."""
+        """Height of the bust points: the most forward of the chest."""
         chest = self.part(("spine", "breast", "clavicle")) & (np.abs(self.vertices[:, 0]) > 0.04)
         return float(self.vertices[self.extreme(np.array([0.0, 0, 1]), chest), 1])
 
     @cached_property
     def buttock_level(self) -> float:
-        """Height of the greatest prominence of the buttocks (ISO 3.1.15)."""
+        """Height of the greatest prominence of the buttocks."""
         seat = self.part(("root", "pelvis", "upperleg", "spine05"))
         return float(self.vertices[self.extreme(np.array([0.0, 0, -1]), seat), 1])
 
     @cached_property
     def waist_level(self) -> float:
-        """Height of the smallest girth between the ribs and the hip bones (ISO 3.1.12)."""
+        """Height of the smallest girth between the ribs and the hip bones."""
         levels = np.arange(self.buttock_level + 0.08, self.bust_level - 0.08, 0.005)
         girths = [hull_length(self.cut([0, y, 0]).at(self.vertices), UP) for y in levels]
         return float(levels[int(np.argmin(girths))])
 
     def shoulder_point(self, side: str) -> int:
-        """The acromion: top of the shoulder over its joint (ISO 3.1.1)."""
+        """The acromion: top of the shoulder over its joint."""
         around = self.vertices - self.joint(f"upperarm01.{side}")
         return self.extreme(UP, self.skin & (np.hypot(around[:, 0], around[:, 2]) < 0.015))
 
@@ -133,7 +133,7 @@ class Reference:
         return self.extreme(outwards, self.near(elbow, 0.08))
 
     def wrist_point(self, side: str) -> int:
-        """The prominence of the wrist on the little finger's side (ISO 3.1.20)."""
+        """The prominence of the wrist on the little finger's side."""
         wrist = self.joint(f"wrist.{side}")
         return self.extreme(self.joint(f"finger5-1.{side}") - self.joint(f"finger2-1.{side}"), self.near(wrist, 0.04))
 
@@ -215,27 +215,27 @@ def arm_tape(r: Reference) -> Points:
 
 
 MEASUREMENTS = [
-    Measurement("height", "Height", "height", 145, 205, "Crown to soles, barefoot (5.1.1)",
+    Measurement("height", "Height", "height", 145, 205, "Crown to soles, barefoot",
                 lambda r: landmarks(r.crown, *r.soles)),
-    Measurement("weight", "Weight", "weight", 40, 140, "Body mass, from the volume at 980 kg/m3 (5.7.1)",
+    Measurement("weight", "Weight", "weight", 40, 140, "Body mass, from the volume at 980 kg/m3",
                 lambda _: landmarks()),
     Measurement("chest", "Chest or bust", "ring", 74, 140,
-                "Level girth over the bust points, under the arms (5.3.4)", level(lambda r: r.bust_level)),
-    Measurement("underbust", "Underbust", "ring", 62, 125, "Level girth just below the breasts (5.3.6)",
+                "Level girth over the bust points, under the arms", level(lambda r: r.bust_level)),
+    Measurement("underbust", "Underbust", "ring", 62, 125, "Level girth just below the breasts",
                 level(lambda r: r.bust_level - UNDERBUST_DROP)),
-    Measurement("waist", "Waist", "ring", 54, 135, "Level girth at the natural waist (5.3.10)",
+    Measurement("waist", "Waist", "ring", 54, 135, "Level girth at the natural waist",
                 level(lambda r: r.waist_level)),
-    Measurement("hip", "Hip", "ring", 76, 145, "Level girth over the fullest part of the seat (5.3.13)",
+    Measurement("hip", "Hip", "ring", 76, 145, "Level girth over the fullest part of the seat",
                 level(lambda r: r.buttock_level)),
-    Measurement("inseam", "Inseam", "height", 62, 100, "Crotch to soles, straight down (5.1.15)",
+    Measurement("inseam", "Inseam", "height", 62, 100, "Crotch to soles, straight down",
                 lambda r: landmarks(r.crotch, *r.soles)),
     Measurement("shoulder_width", "Shoulder width", "polyline", 30, 50,
-                "Shoulder point to shoulder point, straight (5.4.2)",
+                "Shoulder point to shoulder point, straight",
                 lambda r: landmarks(r.shoulder_point("L"), r.shoulder_point("R"))),
     Measurement("arm_length", "Arm length", "polyline", 44, 74,
-                "Shoulder point over the bent elbow to the wrist (5.7.8)", arm_tape),
-    Measurement("neck", "Neck", "ring", 28, 50, "Girth of the mid neck, square to its axis (5.3.2)", neck_ring),
-    Measurement("thigh", "Thigh", "ring", 40, 85, "Level girth of the thigh, 5 cm under the crotch (5.3.20)",
+                "Shoulder point over the bent elbow to the wrist", arm_tape),
+    Measurement("neck", "Neck", "ring", 28, 50, "Girth of the mid neck, square to its axis", neck_ring),
+    Measurement("thigh", "Thigh", "ring", 40, 85, "Level girth of the thigh, 5 cm under the crotch",
                 thigh_ring),
 ]  # fmt: skip
 

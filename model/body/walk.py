@@ -2,7 +2,7 @@
 
 The stance foot rolls over heel, sole and toes, and its contact moves backwards at a constant speed, as
 on a treadmill; the legs follow by two-bone inverse kinematics. Amplitudes after Perry & Burnfield,
-Gait Analysis (2010), chapters 3-7: about 1.3 m/s, stance 60 % of the cycle.
+Gait Analysis (2010): about 1.3 m/s, stance 60 % of the cycle.
 """
 
 from __future__ import annotations
