@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .families import TRAIN_ORDER, VALIDATION
+from .families import ORNAMENTED, TRAIN_ORDER, VALIDATION
 from .generate import generate
 from .mesh import OutfitMesh
 
@@ -47,10 +47,16 @@ def _make(job: tuple[int, str, str]) -> str:
 
 def jobs(count: int, validation: int, out: Path) -> list[tuple[int, str, str]]:
     """(seed, family, path) of every outfit; families take turns."""
-    train = [(i, TRAIN_ORDER[i % len(TRAIN_ORDER)], out / "train") for i in range(count)]
+    train = [(i, _turn(i), out / "train") for i in range(count)]
     names = list(VALIDATION)
     held_out = [(VALIDATION_SEED + i, names[i % len(names)], out / "validation") for i in range(validation)]
     return [(s, f, str(d / f"{s:07d}_{f}.npz")) for s, f, d in [*held_out, *train]]
+
+
+def _turn(i: int) -> str:
+    """Family of training outfit i: every seventh has ornaments, the others follow the plain order."""
+    names = list(ORNAMENTED) if i % 7 == 6 else TRAIN_ORDER
+    return names[(i // 7 if i % 7 == 6 else i) % len(names)]
 
 
 def main() -> None:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .ornaments import Trimming
 from .pattern import Pattern, resized
 
 Rng = np.random.Generator
@@ -191,7 +192,28 @@ def _leggings(rng: Rng) -> Pattern:
                    leg_hem=0.004, rise=0.004, looseness=0.0)  # fmt: skip
 
 
-Family = Callable[[Rng], list[Pattern]]
+def _collared(rng: Rng) -> Pattern:
+    return replace(shirt(rng), neck=(1.558, 1.595, 0.09, 2.0, 2.0))
+
+
+def _collar(rng: Rng) -> Trimming:
+    return Trimming("collar", (_u(rng, 0.030, 0.045), _u(rng, 0.02, 0.05)), on=0)
+
+
+def _shirt_tie(rng: Rng) -> list[Pattern | Trimming]:
+    return [*_tucked(_collared(rng), trousers(rng)), Trimming("tie", (1.545, _u(rng, 0.40, 0.52))), _collar(rng)]
+
+
+def _bow(rng: Rng) -> Trimming:
+    return Trimming("bow", (_u(rng, -0.06, 0.06), _u(rng, 1.10, 1.24), _u(rng, 0.05, 0.09)))
+
+
+def _lapelled(rng: Rng, under: Pattern) -> list[Pattern | Trimming]:
+    top = replace(jacket(rng), neck=(_u(rng, 1.22, 1.32), 1.55, 0.09, 1.2, 2.2))
+    return [*_tucked(under, trousers(rng)), top, Trimming("lapels", (_u(rng, 0.04, 0.07), _u(rng, 1.1, 1.22)), on=2)]
+
+
+Family = Callable[[Rng], list[Pattern | Trimming]]
 TRAIN: dict[str, Family] = {
     "tee": lambda r: [tee(r)],
     "shirt": lambda r: [shirt(r)],
@@ -216,6 +238,14 @@ TRAIN: dict[str, Family] = {
     "jacket_tank_skirt": lambda r: _jacket_over(r, _tucked(_under_jacket(tank(r)), skirt(r))),
     "jacket_dress": lambda r: _jacket_over(r, [_under_jacket(dress(r))]),
 }
+ORNAMENTED: dict[str, Family] = {
+    "collared_shirt_trousers": lambda r: [*_tucked(_collared(r), trousers(r)), _collar(r)],
+    "shirt_tie_trousers": lambda r: _shirt_tie(r),
+    "belted_dress": lambda r: [replace(dress(r), waist=0.012, looseness=0.1), Trimming("belt", (_u(r, 1.10, 1.2), _u(r, 0.025, 0.06)))],
+    "dress_bow": lambda r: [replace(dress(r), waist=0.012, looseness=0.1), _bow(r)],
+    "lapelled_jacket": lambda r: _lapelled(r, _under_jacket(tee(r))),
+}
+TRAIN |= ORNAMENTED
 VALIDATION: dict[str, Family] = {
     "poncho_trousers": lambda r: [trousers(r), _poncho(r)],
     "waistcoat_shirt_trousers": lambda r: [*_tucked(_under_jacket(shirt(r)), trousers(r)), _waistcoat(r)],
@@ -225,15 +255,16 @@ VALIDATION: dict[str, Family] = {
     "halter_dress": lambda r: [replace(dress(r), sleeve=None, neck=_halter(r).neck, strap=0.09, armhole=0.03)],
 }
 # The common cases come more often.
-TRAIN_ORDER = [*TRAIN, "tee_trousers", "tee_shorts", "shirt_trousers", "tucked_shirt_trousers", "jacket_shirt_trousers",
+TRAIN_ORDER = [*(f for f in TRAIN if f not in ORNAMENTED), "tee_trousers", "tee_shorts", "shirt_trousers", "tucked_shirt_trousers", "jacket_shirt_trousers",
                "dress", "jumpsuit", "tee_skirt"]  # fmt: skip
 
 
-def patterns(rng: Rng, family: str) -> list[Pattern]:
-    """Patterns of one outfit of a family, innermost first, in a random size."""
+def patterns(rng: Rng, family: str) -> list[Pattern | Trimming]:
+    """Patterns and trimmings of one outfit of a family, innermost first, in a random size."""
     make = TRAIN.get(family) or VALIDATION[family]
     size = float(np.exp(rng.normal(0.0, 0.18)))
-    return [_safe(resized(p, size), layer) for layer, p in enumerate(make(rng))]
+    pieces = enumerate(make(rng))
+    return [_safe(resized(p, size), layer) if isinstance(p, Pattern) else p for layer, p in pieces]
 
 
 def _safe(p: Pattern, layer: int) -> Pattern:

@@ -8,9 +8,13 @@ from body.anny_body import AnnyBody, ShapedBody
 from .body_fields import BodyFields, body_fields
 from .families import TRAIN, TRAIN_ORDER, VALIDATION, patterns
 from .mesh import GarmentMesh, OutfitMesh
+from .ornaments import Trimming, trim_shape, trim_sheet
 from .pattern import Pattern, Shape, shape
-from .sew import TRIANGULATIONS, Cloth, sew
+from .sew import TRIANGULATIONS, Cloth, keep_clear, sew
+from .uv import planar, unwrap
 
+SHEETS = ("tie", "bow")
+TRIMMING_DENSITY = 5000
 families_train = tuple(TRAIN)
 families_validation = tuple(VALIDATION)
 
@@ -33,11 +37,28 @@ def generate(
     return OutfitMesh(family, seed, assemble(worn, fields, [(density, str(s)) for s in styles]))
 
 
-def assemble(worn: list[Pattern], fields: BodyFields, cloths: list[tuple[int, str]]) -> list[GarmentMesh]:
-    """Sew patterns from the inside out; `cloths` gives (vertices per square metre, triangulation) for each."""
+def assemble(
+    worn: list[Pattern | Trimming], fields: BodyFields, cloths: list[tuple[int, str]]
+) -> list[GarmentMesh]:
+    """Sew from the inside out; `cloths` gives (vertices per square metre, triangulation) for each piece."""
     shapes: list[Shape] = []
     garments: list[GarmentMesh] = []
-    for pattern, (density, style) in zip(worn, cloths, strict=True):
-        shapes.append(shape(pattern, fields, shapes[:]))
+    for item, (density, style) in zip(worn, cloths, strict=True):
+        if isinstance(item, Trimming) and item.kind in SHEETS:
+            garments.append(_loose(item, shapes, fields, garments))
+            continue
+        if isinstance(item, Trimming):
+            shapes.append(trim_shape(item, shapes))
+            density, style = max(2 * density, TRIMMING_DENSITY), "isotropic"
+        else:
+            shapes.append(shape(item, fields, shapes[:]))
         garments.append(sew(shapes[-1], fields, garments, Cloth(density, style)))
+        unwrap(garments[-1], shapes[-1].pattern, fields)
     return garments
+
+
+def _loose(item: Trimming, shapes: list[Shape], fields: BodyFields, worn: list[GarmentMesh]) -> GarmentMesh:
+    piece = trim_sheet(item, shapes, len(worn))
+    piece.vertices = keep_clear(piece.vertices, piece.triangles, fields, 0.006, worn)
+    planar(piece)
+    return piece
