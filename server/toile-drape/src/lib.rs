@@ -1,9 +1,24 @@
 //! What Toile does, without HTTP and without a network runtime: outfits, static passes, drapes.
 
 pub mod binding;
+pub mod error;
+pub mod evaluation;
 pub mod features;
+pub mod fitted;
 pub mod graph;
+pub mod layers;
+pub mod methods;
 pub mod network;
 pub mod outfit;
 pub mod outfit_build;
+pub mod outfit_codec;
+pub mod pipeline;
+pub mod push_out;
 pub mod reference;
+pub mod repair;
+pub mod resolve;
+pub mod shape;
+pub mod skinning;
+pub mod static_codec;
+pub mod static_pass;
+pub mod studio;

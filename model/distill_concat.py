@@ -1,0 +1,77 @@
+"""Distil the basis form of DeePSD into the printed form (paper section 4.2.2), for the comparison.
+
+    python -m distill_concat --checkpoint runs/deepsd.pt --minutes 10
+
+The printed network sees the frozen descriptors of the shipped static pass with pose and shape on every
+vertex, and learns to give the same offsets.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from nets.deepsd import ConcatenatedPsi, Sizes, gather_mean, pose_features
+from train_deepsd import RUNS, DeePSD
+from training_data import DATA, BodyBank, Sample, load_samples
+
+
+@torch.no_grad()
+def target(net: DeePSD, sample: Sample, pose: torch.Tensor, shape: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """Descriptors (N, width) and the basis form's offsets (P, N, 3) of an outfit in P poses."""
+    _, node_basis, node_descriptors = net.static(sample.features, sample.prior, sample.graph)
+    spread = lambda field: gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)  # noqa: E731
+    basis = spread(node_basis).reshape(len(sample.vertices), 3, -1)
+    coefficients = net.coefficients(pose, shape.expand(len(pose), -1))
+    return spread(node_descriptors), torch.einsum("nkr,pr->pnk", basis, coefficients)
+
+
+def learn(net: DeePSD, concat: ConcatenatedPsi, samples: list[Sample], bank: BodyBank, minutes: float) -> float:
+    """Adam on the mean squared offset error; returns the mean relative error of the last hundred steps."""
+    rng = np.random.default_rng(0)
+    optimiser = torch.optim.Adam(concat.parameters(), lr=1e-3)
+    started, errors = time.time(), []
+    while (progress := (time.time() - started) / (60 * minutes)) < 1:
+        for group in optimiser.param_groups:
+            group["lr"] = 1e-3 * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
+        sample, entry = samples[rng.integers(len(samples))], bank.entries[rng.integers(len(bank.entries))]
+        poses = torch.as_tensor(rng.choice(len(entry.vertices), 4, replace=False))
+        pose = pose_features(entry.transforms[poses], bank.parents)
+        descriptors, offsets = target(net, sample, pose, entry.shape)
+        rows = torch.as_tensor(rng.choice(len(descriptors), min(1024, len(descriptors)), replace=False))
+        got = torch.stack([concat(descriptors[rows], p[None], entry.shape[None]) for p in pose])
+        loss = (got - offsets[:, rows]).square().mean()
+        (loss * 1e4).backward()
+        optimiser.step()
+        optimiser.zero_grad()
+        errors.append((loss / offsets.square().mean().clamp(min=1e-8)).sqrt().item())
+        if len(errors) % 100 == 0:
+            print(json.dumps({"step": len(errors), "relative_error": round(float(np.mean(errors[-100:])), 4)}), flush=True)
+    return float(np.mean(errors[-100:]))
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--checkpoint", type=Path, default=RUNS / "deepsd.pt")
+    p.add_argument("--out", type=Path, default=RUNS / "deepsd_concat.pt")
+    p.add_argument("--outfits", type=Path, default=DATA / "outfits")
+    p.add_argument("--minutes", type=float, default=10)
+    p.add_argument("--limit", type=int)
+    a = p.parse_args()
+    torch.manual_seed(0)
+    sizes = Sizes()
+    net, concat = DeePSD(sizes), ConcatenatedPsi(sizes)
+    net.load_state_dict(torch.load(a.checkpoint)["net"])
+    net.eval()
+    samples = load_samples(a.outfits / "train")[: a.limit]
+    error = learn(net, concat, samples, BodyBank(12, 24, 3), a.minutes)
+    torch.save({"net": concat.state_dict(), "relative_error": error}, a.out)
+
+
+if __name__ == "__main__":
+    main()

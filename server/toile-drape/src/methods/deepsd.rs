@@ -1,0 +1,168 @@
+//! `DeePSD` (Bertiche et al. 2021) with a static basis: equation 4 with psi = basis x coefficients.
+
+use glam::{Affine3A, Mat3A, Vec3A};
+use toile_geometry::body::BodyShape;
+
+use super::{Method, Placement, PosedSkeleton};
+use crate::binding::{Weights, vertex_weights};
+use crate::error::DrapeError;
+use crate::features::FEATURES;
+use crate::graph::{Links, OutfitGraph};
+use crate::network::{Networks, Tensor, TensorRef};
+use crate::reference::GARMENT_JOINTS;
+use crate::static_pass::{Rig, StaticPass, largest_influences};
+
+/// Basis vectors of a vertex.
+pub const BASIS: usize = 64;
+/// Pose features: a relative rotation and a gravity direction a joint.
+pub const POSE: usize = GARMENT_JOINTS * 12;
+/// Frames in one run of the network; a chunk's product stays in the cache.
+const CHUNK: usize = 48;
+
+/// `DeePSD` in its basis form.
+pub struct Deepsd;
+
+impl Method for Deepsd {
+    fn dynamic_pass<'s>(
+        &self,
+        statics: &'s StaticPass,
+        posed: &PosedSkeleton<'_>,
+        networks: &mut dyn Networks,
+    ) -> Result<Placement<'s>, DrapeError> {
+        let width = 3 * statics.rest.len();
+        let shape = shape_features(posed.shape);
+        let mut offsets = Vec::with_capacity(posed.transforms.len() * width);
+        for frames in posed.transforms.chunks(CHUNK) {
+            let pose: Vec<f32> = frames.iter().flat_map(|f| pose_features(f, posed.parents)).collect();
+            let answer = networks.run(
+                "deepsd/dynamic",
+                &[
+                    ("pose", TensorRef::F32(&[frames.len(), POSE], &pose)),
+                    ("shape", TensorRef::F32(&[1, shape.len()], &shape)),
+                    ("basis", TensorRef::F32(&[BASIS, width], &statics.rig.basis)),
+                ],
+            )?;
+            offsets.append(&mut only("deepsd/dynamic", answer, frames.len() * width)?);
+        }
+        Ok(Placement::Rest { offsets, joints: &statics.rig.joints, weights: &statics.rig.weights })
+    }
+}
+
+/// Phi, Omega and Psi over the graph, interpolated to vertices.
+///
+/// # Errors
+/// When the network fails or answers with an unexpected shape.
+pub fn static_pass(
+    graph: &OutfitGraph,
+    features: &[f32],
+    prior: &[Weights],
+    networks: &mut dyn Networks,
+) -> Result<Rig, DrapeError> {
+    let nodes = prior.len();
+    let [weights, basis, descriptors] = run_static(graph, features, prior, networks)?;
+    let rows: Vec<Weights> = weights.values.chunks_exact(GARMENT_JOINTS).filter_map(|r| r.try_into().ok()).collect();
+    if rows.len() != nodes || basis.values.len() != nodes * 3 * BASIS {
+        let (expected, found) = (nodes * (GARMENT_JOINTS + 3 * BASIS), weights.values.len() + basis.values.len());
+        return Err(DrapeError::Answer { graph: "deepsd/static", expected, found });
+    }
+    let (joints, weights) = largest_influences(&vertex_weights(&rows, &graph.vertex_from_node));
+    let (prior_joints, prior_weights) = largest_influences(&vertex_weights(prior, &graph.vertex_from_node));
+    Ok(Rig {
+        joints,
+        weights,
+        prior_joints,
+        prior_weights,
+        basis: vertex_basis(&basis.values, &graph.vertex_from_node),
+        descriptors: descriptors.values,
+    })
+}
+
+fn run_static(
+    graph: &OutfitGraph,
+    features: &[f32],
+    prior: &[Weights],
+    networks: &mut dyn Networks,
+) -> Result<[Tensor; 3], DrapeError> {
+    let tables = [
+        ("near", "near_weight", &graph.near),
+        ("members", "members_weight", &graph.members),
+        ("patch_near", "patch_near_weight", &graph.patch_near),
+        ("node_from_patch", "node_from_patch_weight", &graph.node_from_patch),
+    ];
+    let indices: Vec<Vec<i64>> =
+        tables.iter().map(|(_, _, l)| l.index.iter().map(|&i| i64::from(i)).collect()).collect();
+    let shapes: Vec<[usize; 2]> = tables.iter().map(|(_, _, l)| [l.len(), l.width]).collect();
+    let node_shape = [prior.len(), FEATURES];
+    let prior_shape = [prior.len(), GARMENT_JOINTS];
+    let mut inputs = vec![
+        ("features", TensorRef::F32(&node_shape, features)),
+        ("prior", TensorRef::F32(&prior_shape, prior.as_flattened())),
+    ];
+    for (((name, weight_name, links), index), shape) in tables.iter().zip(&indices).zip(&shapes) {
+        inputs.push((name, TensorRef::I64(shape, index)));
+        inputs.push((weight_name, TensorRef::F32(shape, &links.weight)));
+    }
+    let answer = networks.run("deepsd/static", &inputs)?;
+    let found = answer.len();
+    answer.try_into().map_err(|_| DrapeError::Answer { graph: "deepsd/static", expected: 3, found })
+}
+
+/// Node basis (nodes, 3, BASIS) to the vertices' (BASIS, 3 x vertices), the layout of the dynamic product.
+fn vertex_basis(nodes: &[f32], vertex_from_node: &Links) -> Vec<f32> {
+    let width = 3 * vertex_from_node.len();
+    let mut out = vec![0.0; BASIS * width];
+    let mut row = [0.0; 3 * BASIS];
+    for v in 0..vertex_from_node.len() {
+        row.fill(0.0);
+        for (node, weight) in vertex_from_node.row(v) {
+            let from = &nodes[node * 3 * BASIS..(node + 1) * 3 * BASIS];
+            row.iter_mut().zip(from).for_each(|(r, b)| *r += weight * b);
+        }
+        for (axis, values) in row.chunks_exact(BASIS).enumerate() {
+            for (r, value) in values.iter().enumerate() {
+                out[r * width + 3 * v + axis] = *value;
+            }
+        }
+    }
+    out
+}
+
+/// The only output of a graph, checked for its size.
+///
+/// # Errors
+/// When the network answered something else.
+pub fn only(graph: &'static str, answer: Vec<Tensor>, expected: usize) -> Result<Vec<f32>, DrapeError> {
+    let values = answer.into_iter().next().map(|t| t.values).unwrap_or_default();
+    if values.len() == expected {
+        return Ok(values);
+    }
+    Err(DrapeError::Answer { graph, expected, found: values.len() })
+}
+
+/// Pose features of one frame, zero in the A-pose: for each joint its rotation relative to its parent minus
+/// the identity (9, row-major) and the direction of gravity in its frame minus that at rest (3).
+#[must_use]
+pub fn pose_features(transforms: &[Affine3A], parents: &[Option<usize>]) -> Vec<f32> {
+    let mut out = Vec::with_capacity(POSE);
+    for (joint, transform) in transforms.iter().enumerate() {
+        let rotation = transform.matrix3;
+        let parent = parents.get(joint).copied().flatten().and_then(|p| transforms.get(p));
+        let local = parent.map_or(rotation, |p| p.matrix3.transpose() * rotation);
+        let change = Mat3A::from_cols(
+            local.x_axis - Vec3A::X,
+            local.y_axis - Vec3A::Y,
+            local.z_axis - Vec3A::Z,
+        );
+        out.extend(change.transpose().to_cols_array());
+        out.extend((rotation.transpose() * Vec3A::NEG_Y - Vec3A::NEG_Y).to_array());
+    }
+    out
+}
+
+/// Shape features, zero for the reference body: phenotypes less their default, doubled; local changes.
+#[must_use]
+pub fn shape_features(shape: &BodyShape) -> Vec<f32> {
+    let reference = BodyShape::default();
+    let phenotypes = shape.phenotypes.iter().zip(&reference.phenotypes).map(|(p, r)| 2.0 * (p - r));
+    phenotypes.chain(shape.local_changes).collect()
+}

@@ -1,0 +1,110 @@
+//! The ways to drape, one file a paper, behind one trait.
+
+pub mod deepsd;
+pub mod deepsd_concat;
+pub mod skinning;
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::Affine3A;
+use toile_geometry::body::BodyShape;
+
+use crate::error::DrapeError;
+use crate::network::Networks;
+use crate::static_pass::{INFLUENCES, StaticPass};
+
+/// Names of the methods, as in the API.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MethodKind {
+    /// `DeePSD` with a static basis.
+    #[default]
+    Deepsd,
+    /// `DeePSD` as printed: a fully connected network on every vertex.
+    DeepsdConcat,
+    /// Linear blend skinning with the body's own weights.
+    Skinning,
+}
+
+impl MethodKind {
+    /// Every method, in the order of the API.
+    pub const ALL: [Self; 3] = [Self::Deepsd, Self::DeepsdConcat, Self::Skinning];
+
+    /// The name in the API.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Deepsd => "deepsd",
+            Self::DeepsdConcat => "deepsd-concat",
+            Self::Skinning => "skinning",
+        }
+    }
+
+    /// What drapes by this name.
+    #[must_use]
+    pub fn method(self) -> &'static dyn Method {
+        match self {
+            Self::Deepsd => &deepsd::Deepsd,
+            Self::DeepsdConcat => &deepsd_concat::DeepsdConcat,
+            Self::Skinning => &skinning::Skinning,
+        }
+    }
+}
+
+impl fmt::Display for MethodKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// No such method.
+#[derive(Debug, thiserror::Error)]
+#[error("there is no method {0:?}; use deepsd, deepsd-concat or skinning")]
+pub struct UnknownMethod(String);
+
+impl FromStr for MethodKind {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| UnknownMethod(name.to_owned()))
+    }
+}
+
+/// The poses of a drape as the networks see them.
+pub struct PosedSkeleton<'a> {
+    /// Shape of the body.
+    pub shape: &'a BodyShape,
+    /// For each frame the garment joints' world-from-A-pose transforms.
+    pub transforms: &'a [Vec<Affine3A>],
+    /// Parents of the garment joints.
+    pub parents: &'a [Option<usize>],
+}
+
+/// Where a method puts the cloth, before it is turned into world positions in one place
+/// ([`crate::skinning::place`]).
+pub enum Placement<'a> {
+    /// Offsets in rest space, row-major (frames, vertices, 3), metres (none: empty), then linear blend
+    /// skinning with these influences.
+    Rest {
+        /// Offsets of every frame.
+        offsets: Vec<f32>,
+        /// Joints of each vertex.
+        joints: &'a [[u8; INFLUENCES]],
+        /// Their weights.
+        weights: &'a [[f32; INFLUENCES]],
+    },
+}
+
+/// A way to drape.
+pub trait Method: Sync {
+    /// Runs the dynamic pass over all frames.
+    ///
+    /// # Errors
+    /// When a network fails or answers with an unexpected shape.
+    fn dynamic_pass<'s>(
+        &self,
+        statics: &'s StaticPass,
+        posed: &PosedSkeleton<'_>,
+        networks: &mut dyn Networks,
+    ) -> Result<Placement<'s>, DrapeError>;
+}

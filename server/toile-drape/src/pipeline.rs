@@ -1,0 +1,243 @@
+//! From a body and poses to draped cloth. Open this file first.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::{Affine3A, Vec3};
+use serde::{Deserialize, Serialize};
+use toile_geometry::body::{BodyShape, ShapedBody};
+use toile_geometry::normals::vertex_normals;
+use toile_geometry::pose::Pose;
+
+use crate::error::DrapeError;
+use crate::fitted::{Fitted, lengths};
+use crate::methods::{MethodKind, Placement, PosedSkeleton};
+use crate::network::Networks;
+use crate::outfit::Outfit;
+use crate::push_out::Collider;
+use crate::resolve::resolve;
+use crate::skinning::place;
+use crate::static_pass::StaticPass;
+use crate::studio::Studio;
+
+/// A body in one or more poses.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Shape of the body, the same in every frame.
+    pub shape: BodyShape,
+    /// One pose a frame.
+    pub poses: Vec<Pose>,
+    /// Frames a second.
+    pub frame_rate: f32,
+}
+
+/// What to drape, on whom, how.
+pub struct DrapeRequest<'a> {
+    /// The outfit.
+    pub outfit: &'a Outfit,
+    /// Its static pass.
+    pub statics: &'a StaticPass,
+    /// The body and its poses.
+    pub motion: &'a Motion,
+    /// The way to drape.
+    pub method: MethodKind,
+}
+
+/// One draped frame, world space.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Cloth, welded order, metres.
+    pub positions: Vec<Vec3>,
+    /// Unit normals of the cloth.
+    pub normals: Vec<Vec3>,
+    /// Body vertices, metres.
+    pub body: Vec<Vec3>,
+    /// Unit normals of the body.
+    pub body_normals: Vec<Vec3>,
+    /// Metres inside the body before the resolve, 0 outside.
+    pub penetration: Vec<f32>,
+    /// Mean strain of the edges at each vertex (length over rest length, less 1).
+    pub strain: Vec<f32>,
+}
+
+/// How good a drape is; the worst frame counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Vertices inside the body before the resolve, percent.
+    pub penetration_before_percent: f32,
+    /// Vertices inside the body after the resolve, percent.
+    pub penetration_after_percent: f32,
+    /// 95th percentile of |length over rest length, less 1| over the edges.
+    pub p95_edge_strain: f32,
+    /// Largest length over rest length.
+    pub max_edge_stretch: f32,
+}
+
+/// Milliseconds of each stage, summed over frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timing(Vec<(&'static str, f64)>);
+
+impl Timing {
+    /// Stages in order with their milliseconds.
+    pub fn stages(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        self.0.iter().copied()
+    }
+
+    /// Milliseconds of all stages.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.0.iter().map(|s| s.1).sum()
+    }
+
+    fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let out = work();
+        let spent = started.elapsed().as_secs_f64() * 1e3;
+        match self.0.iter_mut().find(|s| s.0 == stage) {
+            Some(slot) => slot.1 += spent,
+            None => self.0.push((stage, spent)),
+        }
+        out
+    }
+}
+
+/// Draped frames with what is known about them.
+#[derive(Clone, Debug, Default)]
+pub struct Drape {
+    /// One a pose.
+    pub frames: Vec<Frame>,
+    /// The worst frame's quality.
+    pub quality: Quality,
+    /// Where the time went.
+    pub timing: Timing,
+}
+
+/// Drapes an outfit on a body in every pose of a motion.
+///
+/// # Errors
+/// When there is no pose, the static pass is of another outfit, or a network fails.
+pub fn drape(
+    studio: &Studio,
+    request: &DrapeRequest<'_>,
+    networks: &mut dyn Networks,
+) -> Result<Drape, DrapeError> {
+    check(request)?;
+    let mut out = Drape::default();
+    let timing = &mut out.timing;
+    let (shaped, fitted) = timing.time("body", || clothe(studio, request));
+    let skeletons = timing.time("body", || pose_skeletons(studio, &shaped, &request.motion.poses));
+    let posed = PosedSkeleton {
+        shape: &request.motion.shape,
+        transforms: &skeletons.garment,
+        parents: &studio.garment_parents,
+    };
+    let method = request.method.method();
+    let placement = timing.time("dynamic", || method.dynamic_pass(request.statics, &posed, networks))?;
+    for (index, world) in skeletons.world.iter().enumerate() {
+        let scene = Scene { studio, shaped: &shaped, fitted: &fitted, placement: &placement, request };
+        let (frame, quality) = drape_frame(&scene, index, world, &skeletons.garment[index], timing);
+        out.quality = out.quality.worse(quality);
+        out.frames.push(frame);
+    }
+    Ok(out)
+}
+
+fn check(request: &DrapeRequest<'_>) -> Result<(), DrapeError> {
+    let (expected, found) = (request.outfit.positions.len(), request.statics.rest.len());
+    if request.motion.poses.is_empty() {
+        return Err(DrapeError::NoPose);
+    }
+    if expected != found {
+        return Err(DrapeError::OtherOutfit { expected, found });
+    }
+    Ok(())
+}
+
+fn clothe(studio: &Studio, request: &DrapeRequest<'_>) -> (Arc<ShapedBody>, Arc<Fitted>) {
+    let shape = &request.motion.shape;
+    let shaped = studio.body.shared_shape(shape);
+    let fitted = request.statics.fitted(studio, shape, &shaped);
+    (shaped, fitted)
+}
+
+struct Skeletons {
+    world: Vec<Vec<Affine3A>>,
+    garment: Vec<Vec<Affine3A>>,
+}
+
+fn pose_skeletons(studio: &Studio, shaped: &ShapedBody, poses: &[Pose]) -> Skeletons {
+    let body = &studio.body;
+    let world: Vec<Vec<Affine3A>> =
+        poses.iter().map(|p| body.world_joints(shaped, &body.grounded(shaped, p.clone()))).collect();
+    Skeletons { garment: world.iter().map(|w| body.garment_transforms(shaped, w)).collect(), world }
+}
+
+struct Scene<'a> {
+    studio: &'a Studio,
+    shaped: &'a ShapedBody,
+    fitted: &'a Fitted,
+    placement: &'a Placement<'a>,
+    request: &'a DrapeRequest<'a>,
+}
+
+fn drape_frame(
+    scene: &Scene<'_>,
+    index: usize,
+    world: &[Affine3A],
+    garment: &[Affine3A],
+    timing: &mut Timing,
+) -> (Frame, Quality) {
+    let (body, outfit, statics) = (&scene.studio.body, scene.request.outfit, scene.request.statics);
+    let (vertices, body_normals) = timing.time("body", || {
+        let posed = body.posed_vertices(scene.shaped, world);
+        let normals = vertex_normals(&posed, body.triangles());
+        (posed, normals)
+    });
+    let mut positions =
+        timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, garment));
+    let skin = Collider { vertices: &vertices, normals: &body_normals, ring: &scene.studio.reference.ring };
+    let resolved = timing.time("resolve", || resolve(outfit, statics, &skin, &mut positions));
+    let normals = timing.time("normals", || vertex_normals(&positions, &outfit.triangles));
+    let (strain, mut quality) = timing.time("quality", || strains(scene, &positions));
+    let percent = |count: usize| 100.0 * count as f32 / positions.len().max(1) as f32;
+    quality.penetration_before_percent = percent(resolved.inside_before);
+    quality.penetration_after_percent = percent(resolved.inside_after);
+    let penetration = resolved.depth_before;
+    (Frame { positions, normals, body: vertices, body_normals, penetration, strain }, quality)
+}
+
+/// Strain at each vertex and the quality figures that follow from the edges.
+fn strains(scene: &Scene<'_>, positions: &[Vec3]) -> (Vec<f32>, Quality) {
+    let edges = &scene.request.statics.edges;
+    let ratio: Vec<f32> = lengths(positions, edges)
+        .iter()
+        .zip(&scene.fitted.lengths)
+        .map(|(now, rest)| now / rest.max(1e-5))
+        .collect();
+    let (mut sums, mut counts) = (vec![0.0_f32; positions.len()], vec![0_u32; positions.len()]);
+    for (edge, r) in edges.iter().zip(&ratio) {
+        for &v in edge {
+            sums[v as usize] += r - 1.0;
+            counts[v as usize] += 1;
+        }
+    }
+    sums.iter_mut().zip(&counts).for_each(|(s, c)| *s /= (*c).max(1) as f32);
+    let max_edge_stretch = ratio.iter().copied().fold(0.0, f32::max);
+    let mut size: Vec<f32> = ratio.iter().map(|r| (r - 1.0).abs()).collect();
+    let at = (size.len() * 95 / 100).min(size.len().saturating_sub(1));
+    let p95_edge_strain = if size.is_empty() { 0.0 } else { *size.select_nth_unstable_by(at, f32::total_cmp).1 };
+    (sums, Quality { p95_edge_strain, max_edge_stretch, ..Quality::default() })
+}
+
+impl Quality {
+    /// The worse of each figure.
+    #[must_use]
+    pub fn worse(self, other: Self) -> Self {
+        Self {
+            penetration_before_percent: self.penetration_before_percent.max(other.penetration_before_percent),
+            penetration_after_percent: self.penetration_after_percent.max(other.penetration_after_percent),
+            p95_edge_strain: self.p95_edge_strain.max(other.p95_edge_strain),
+            max_edge_stretch: self.max_edge_stretch.max(other.max_edge_stretch),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The stored form of a static pass: named tensors (safetensors), checked on reading.
+
+use std::borrow::Cow;
+
+use bytemuck::Pod;
+use glam::Vec3;
+use safetensors::{Dtype, SafeTensors, View};
+use toile_geometry::mesh::Adjacency;
+
+use crate::binding::{CANDIDATES, SHAPE_SUPPORTS};
+use crate::error::DrapeError;
+use crate::fitted::FittedShapes;
+use crate::graph::{Links, NEIGHBOURS, SUPPORTS};
+use crate::layers::{LAYER_CANDIDATES, LayerContacts};
+use crate::methods::deepsd::BASIS;
+use crate::static_pass::{Rig, StaticPass};
+
+struct Column<'a> {
+    dtype: Dtype,
+    shape: [usize; 1],
+    bytes: &'a [u8],
+}
+
+impl View for &Column<'_> {
+    fn dtype(&self) -> Dtype {
+        self.dtype
+    }
+    fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+    fn data(&self) -> Cow<'_, [u8]> {
+        Cow::Borrowed(self.bytes)
+    }
+    fn data_len(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+fn floats(values: &[f32]) -> Column<'_> {
+    Column { dtype: Dtype::F32, shape: [values.len()], bytes: bytemuck::cast_slice(values) }
+}
+
+fn indices(values: &[u32]) -> Column<'_> {
+    Column { dtype: Dtype::U32, shape: [values.len()], bytes: bytemuck::cast_slice(values) }
+}
+
+fn small(values: &[u8]) -> Column<'_> {
+    Column { dtype: Dtype::U8, shape: [values.len()], bytes: values }
+}
+
+impl StaticPass {
+    /// The stored form.
+    ///
+    /// # Errors
+    /// When the container cannot be written.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, DrapeError> {
+        let rig = &self.rig;
+        let columns = [
+            ("rest", floats(bytemuck::cast_slice(&self.rest))),
+            ("clearance", floats(&self.clearance)),
+            ("joints", small(rig.joints.as_flattened())),
+            ("weights", floats(rig.weights.as_flattened())),
+            ("prior_joints", small(rig.prior_joints.as_flattened())),
+            ("prior_weights", floats(rig.prior_weights.as_flattened())),
+            ("basis", floats(&rig.basis)),
+            ("descriptors", floats(&rig.descriptors)),
+            ("vertex_from_node", indices(&self.vertex_from_node.index)),
+            ("vertex_from_node_weight", floats(&self.vertex_from_node.weight)),
+            ("near", indices(&self.near.index)),
+            ("near_weight", floats(&self.near.weight)),
+            ("candidates", indices(&self.candidates)),
+            ("shape", indices(&self.shape.index)),
+            ("shape_weight", floats(&self.shape.weight)),
+            ("layer_outer", indices(&self.layers.outer)),
+            ("layer_inner", indices(&self.layers.inner)),
+            ("layer_gap", floats(&self.layers.gap)),
+            ("edges", indices(self.edges.as_flattened())),
+        ];
+        let views = columns.iter().map(|(name, column)| (*name, column));
+        safetensors::serialize(views, None).map_err(|e| DrapeError::Stored(e.to_string()))
+    }
+
+    /// Reads the stored form back.
+    ///
+    /// # Errors
+    /// When a tensor is missing, of another type or size, or points outside the outfit.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DrapeError> {
+        let file = Stored(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
+        let edges = as_rows::<u32, 2>(file.column("edges", Dtype::U32)?);
+        let rest: Vec<Vec3> = as_rows::<f32, 3>(file.floats("rest")?).into_iter().map(Vec3::from_array).collect();
+        let both = edges.iter().flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
+        let out = Self {
+            clearance: file.floats("clearance")?,
+            rig: file.rig()?,
+            vertex_from_node: file.links("vertex_from_node", SUPPORTS)?,
+            near: file.links("near", NEIGHBOURS)?,
+            candidates: file.column("candidates", Dtype::U32)?,
+            shape: file.links("shape", SHAPE_SUPPORTS)?,
+            layers: LayerContacts {
+                outer: file.column("layer_outer", Dtype::U32)?,
+                inner: file.column("layer_inner", Dtype::U32)?,
+                gap: file.floats("layer_gap")?,
+            },
+            ring: Adjacency::from_pairs(rest.len(), both),
+            edges,
+            fitted_shapes: FittedShapes::default(),
+            rest,
+        };
+        out.checked()
+    }
+
+    fn checked(self) -> Result<Self, DrapeError> {
+        let (n, nodes, rig) = (self.rest.len(), self.near.len(), &self.rig);
+        let sizes = self.clearance.len() == n
+            && [rig.joints.len(), rig.weights.len(), rig.prior_joints.len(), rig.prior_weights.len()] == [n; 4]
+            && rig.basis.len() == 3 * BASIS * n
+            && self.vertex_from_node.len() == n
+            && self.shape.len() == n
+            && self.candidates.len() == CANDIDATES * n
+            && self.layers.inner.len() == LAYER_CANDIDATES * self.layers.outer.len()
+            && self.layers.gap.len() == self.layers.outer.len();
+        let below = |list: &[u32], limit: usize| list.iter().all(|&i| (i as usize) < limit);
+        let inside = below(self.edges.as_flattened(), n)
+            && below(&self.layers.outer, n)
+            && below(&self.layers.inner, n)
+            && below(&self.vertex_from_node.index, nodes)
+            && below(&self.near.index, nodes);
+        if sizes && inside { Ok(self) } else { Err(DrapeError::Stored("tables do not fit together".to_owned())) }
+    }
+}
+
+struct Stored<'a>(SafeTensors<'a>);
+
+impl Stored<'_> {
+    fn column<T: Pod>(&self, name: &str, dtype: Dtype) -> Result<Vec<T>, DrapeError> {
+        let view = self.0.tensor(name).map_err(|e| DrapeError::Stored(format!("{name}: {e}")))?;
+        if view.dtype() != dtype || view.data().len() % size_of::<T>() != 0 {
+            return Err(DrapeError::Stored(format!("{name} is not {dtype:?}")));
+        }
+        Ok(bytemuck::pod_collect_to_vec(view.data()))
+    }
+
+    fn floats(&self, name: &str) -> Result<Vec<f32>, DrapeError> {
+        self.column(name, Dtype::F32)
+    }
+
+    fn links(&self, name: &str, width: usize) -> Result<Links, DrapeError> {
+        let index: Vec<u32> = self.column(name, Dtype::U32)?;
+        let weight = self.floats(&format!("{name}_weight"))?;
+        if index.len() != weight.len() || index.len() % width != 0 {
+            return Err(DrapeError::Stored(format!("{name} is not {width} wide")));
+        }
+        Ok(Links { width, index, weight })
+    }
+
+    fn rig(&self) -> Result<Rig, DrapeError> {
+        Ok(Rig {
+            joints: as_rows(self.column("joints", Dtype::U8)?),
+            weights: as_rows(self.floats("weights")?),
+            prior_joints: as_rows(self.column("prior_joints", Dtype::U8)?),
+            prior_weights: as_rows(self.floats("prior_weights")?),
+            basis: self.floats("basis")?,
+            descriptors: self.floats("descriptors")?,
+        })
+    }
+}
+
+fn as_rows<T: Copy, const W: usize>(values: Vec<T>) -> Vec<[T; W]> {
+    values.as_chunks::<W>().0.to_vec()
+}
+
