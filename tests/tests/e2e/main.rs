@@ -1,1 +1,14 @@
-//! End-to-end tests.
+//! End-to-end tests: the built binary, over HTTP and by its command line.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod bad_uploads;
+mod bodies;
+mod command_line;
+mod connections;
+mod drape_refusals;
+mod drapes;
+mod gallery;
+mod outfits;
+mod persistence;
+mod service;

@@ -1,0 +1,147 @@
+# `make run` sets up whatever is missing and serves; `make test` checks everything that needs no PyTorch.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+LISTEN ?= 127.0.0.1:8080
+DATA ?= data
+TOILE := target/release/toile
+VENV := .venv
+MODEL_VENV := .venv-model
+PIP := bin/pip --disable-pip-version-check --quiet
+NPM_CI := npm ci --no-audit --no-fund --loglevel=error
+# One profile for everything, so that dependencies compile once.
+CARGO_TEST := cargo test --release --locked
+
+RUNTIME := $(VENV)/.runtime
+TEST_TOOLS := $(VENV)/.test-tools
+MODEL_TOOLS := $(MODEL_VENV)/.model-tools
+WEB_MODULES := web/node_modules/.installed
+WEB_PAGE := web/dist/index.html
+VALIDATOR := tests/validator/node_modules/.installed
+BROWSER_MODULES := tests/browser/node_modules/.installed
+WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
+
+.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools \
+	test-rust test-python test-web test-e2e test-browser chromium
+
+help:
+	@echo "make run         serve on http://$(LISTEN), with everything set up first"
+	@echo "make build       build $(TOILE) and the try-on page"
+	@echo "make test        lint, and all tests that need no PyTorch"
+	@echo "make test-model  the tests that need PyTorch"
+	@echo "make lint        formatting, lints and type checks"
+	@echo "make bench       how long every stage takes"
+	@echo "make train       generate outfits and train the networks"
+	@echo "make export      write the trained networks as ONNX"
+	@echo "make clean       remove everything that was built (not $(DATA)/)"
+
+run: build
+	exec $(TOILE) serve --listen $(LISTEN) --data $(DATA)
+
+build: tools $(RUNTIME) $(WEB_PAGE) binary
+
+binary: tools
+	cargo build --release --locked --quiet --package toile-server
+
+# Everything that cannot be installed from here, named all at once.
+tools:
+	@missing=0; \
+	need() { if ! eval "$$2" >/dev/null 2>&1; then echo "missing: $$1. $$3" >&2; missing=1; fi; }; \
+	need "cargo (Rust 1.88 or newer)" "cargo --version" "Get it from https://rustup.rs"; \
+	need "a C compiler" "cc --version" "On Debian or Ubuntu: apt-get install build-essential"; \
+	need "python3 (3.11 or newer)" "python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))'" \
+		"On Debian or Ubuntu: apt-get install python3; or from https://www.python.org"; \
+	need "python3's venv" "python3 -c 'import venv, ensurepip'" "On Debian or Ubuntu: apt-get install python3-venv"; \
+	need "node (20.19 or newer)" "node -e 'const [a, b] = process.versions.node.split(\".\").map(Number); process.exit(a > 20 || (a === 20 && b >= 19) ? 0 : 1)'" \
+		"Get it from https://nodejs.org"; \
+	need "npm" "npm --version" "It comes with node: https://nodejs.org"; \
+	exit $$missing
+
+$(RUNTIME): model/requirements.txt | tools
+	@echo "setting up $(VENV) with ONNX Runtime"
+	python3 -m venv $(VENV)
+	$(VENV)/$(PIP) install -r model/requirements.txt
+	touch $@
+
+$(TEST_TOOLS): model/requirements-test.txt $(RUNTIME)
+	$(VENV)/$(PIP) install -r model/requirements-test.txt
+	touch $@
+
+$(MODEL_TOOLS): model/requirements-model.txt model/requirements-test.txt model/requirements.txt | tools
+	@echo "setting up $(MODEL_VENV) with PyTorch"
+	python3 -m venv $(MODEL_VENV)
+	$(MODEL_VENV)/$(PIP) install -r model/requirements-model.txt
+	$(MODEL_VENV)/$(PIP) install --no-deps torch==2.12.1
+	touch $@
+
+$(WEB_MODULES): web/package-lock.json | tools
+	cd web && $(NPM_CI)
+	touch $@
+
+$(WEB_PAGE): $(WEB_MODULES) $(WEB_SOURCES)
+	@echo "building the try-on page"
+	cd web && npm run --silent build
+	touch $@
+
+$(VALIDATOR): tests/validator/package-lock.json | tools
+	cd tests/validator && $(NPM_CI)
+	touch $@
+
+$(BROWSER_MODULES): tests/browser/package-lock.json | tools
+	cd tests/browser && $(NPM_CI)
+	touch $@
+
+test: lint test-rust test-python test-web test-e2e test-browser
+	@echo "all tests passed"
+
+lint: lint-rust lint-model lint-web
+
+lint-rust: tools
+	cargo fmt --all --check
+	cargo clippy --release --locked --workspace --all-targets --quiet -- -D warnings
+
+lint-model: $(TEST_TOOLS)
+	$(VENV)/bin/ruff check model
+
+lint-web: $(WEB_MODULES)
+	cd web && npm run --silent lint && npm run --silent typecheck
+
+test-rust: tools $(RUNTIME)
+	$(CARGO_TEST) --workspace --exclude toile-tests
+
+test-python: $(TEST_TOOLS)
+	cd model && ../$(VENV)/bin/python -m pytest tests
+
+test-web: $(WEB_MODULES)
+	cd web && npm test --silent
+
+test-e2e: build $(VALIDATOR)
+	TOILE_BIN=$(TOILE) $(CARGO_TEST) --package toile-tests
+
+test-browser: build chromium $(BROWSER_MODULES)
+	tests/with-server.sh $(TOILE) bash -c 'cd tests/browser && npm test --silent'
+
+chromium:
+	@command -v chromium >/dev/null || { \
+		echo "installing chromium for the browser test"; \
+		as_root=; if [ "$$(id -u)" != 0 ]; then as_root=sudo; fi; \
+		$$as_root apt-get update -qq && $$as_root apt-get install -qq -y --no-install-recommends chromium >/dev/null \
+		|| { echo "chromium cannot be installed from here; install it, for instance with: apt-get install chromium" >&2; exit 1; }; }
+
+test-model: $(MODEL_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m pytest tests_model
+
+bench: build
+	$(TOILE) bench
+
+train: $(MODEL_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m train_deepsd
+
+export: $(MODEL_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m export
+
+clean:
+	rm -rf target $(VENV) $(MODEL_VENV) web/dist web/node_modules tests/validator/node_modules tests/browser/node_modules
