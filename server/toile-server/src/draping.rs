@@ -45,6 +45,7 @@ pub fn drape(
         statics: &prepared.statics,
         motion: &motion,
         method: request.method()?,
+        resolve: true,
     };
     let drape = pipeline::drape(&assets.studio, &work, networks)?;
     drape.timing.stages().for_each(|(stage, milliseconds)| timing.add(stage, milliseconds));

@@ -49,6 +49,9 @@ pub struct Exhibit {
     /// Garment names, innermost first.
     #[serde(default)]
     pub layers: Vec<String>,
+    /// Whether this is the outfit that `toile bench` measures.
+    #[serde(default)]
+    pub benchmark: bool,
 }
 
 /// What the gallery holds; nothing where there is none.

@@ -22,7 +22,7 @@ const FEWEST: usize = 3;
 /// Arguments of `toile bench`.
 #[derive(Args, Debug)]
 pub struct Bench {
-    /// An outfit's file [default: the demo outfit with the largest file]
+    /// An outfit's file [default: the demo outfit that is marked for it]
     #[arg(long, value_name = "FILE")]
     outfit: Option<PathBuf>,
     /// Name of the pose
@@ -52,7 +52,7 @@ impl Bench {
     /// Measures on one thread and prints Markdown.
     pub fn run(self) -> Result<(), Failure> {
         let artifacts = self.parts.artifacts()?;
-        let path = self.outfit.clone().map_or_else(|| largest(&artifacts.join("gallery")), Ok)?;
+        let path = self.outfit.clone().map_or_else(|| benchmark_outfit(&artifacts.join("gallery")), Ok)?;
         let assets = Assets::load(&artifacts)?;
         let mut networks = OnnxNetworks::load(&artifacts, &self.parts.onnxruntime()?)?;
         let prepared = prepare(&path, &assets, &mut networks)?;
@@ -84,10 +84,12 @@ impl Bench {
     }
 }
 
-fn largest(folder: &Path) -> Result<PathBuf, Failure> {
-    let exhibits = gallery::exhibits(folder)?.into_iter().map(|exhibit| folder.join(exhibit.file));
-    let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |file| file.len());
-    exhibits.max_by_key(size).ok_or_else(|| "there are no demo outfits; state one with --outfit FILE".into())
+/// The demo outfit that is marked for it, otherwise the first.
+fn benchmark_outfit(folder: &Path) -> Result<PathBuf, Failure> {
+    let exhibits = gallery::exhibits(folder)?;
+    let chosen = exhibits.iter().find(|exhibit| exhibit.benchmark).or(exhibits.first());
+    let chosen = chosen.ok_or("there are no demo outfits; state one with --outfit FILE")?;
+    Ok(folder.join(&chosen.file))
 }
 
 /// Reads the outfit and prints how long everything takes that is done once.

@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod drape;
+mod evaluate;
 mod ingest;
 mod poses;
 mod serve;
@@ -39,6 +40,8 @@ enum Command {
     Drape(drape::DrapeFile),
     /// Measure how long every stage takes
     Bench(bench::Bench),
+    /// Print penetrations and stretch of outfits over many bodies and poses
+    Evaluate(evaluate::Evaluate),
     /// List preset poses and motions
     Poses(poses::Poses),
     /// Check body, poses, networks and their runtime
@@ -89,6 +92,7 @@ pub async fn run(cli: Cli) -> Result<(), Failure> {
         Command::Ingest(ingest) => ingest.run().await,
         Command::Drape(drape) => drape.run().await,
         Command::Bench(bench) => bench.run(),
+        Command::Evaluate(evaluate) => evaluate.run(),
         Command::Poses(poses) => poses.run(),
         Command::Check(check) => check.run(),
     }

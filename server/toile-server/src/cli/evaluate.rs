@@ -1,0 +1,150 @@
+//! `toile evaluate`: the figures of a method over many bodies and poses, as a table.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Deserialize;
+use toile_drape::evaluation::Figures;
+use toile_drape::methods::MethodKind;
+use toile_drape::network::Networks;
+use toile_drape::outfit::Outfit;
+use toile_drape::pipeline::{DrapeRequest, Motion, drape};
+use toile_drape::static_pass::StaticPass;
+use toile_onnx::OnnxNetworks;
+
+use super::{Failure, Parts};
+use crate::assets::Assets;
+use crate::requests::{BodyRequest, DrapeBody, PoseRequest};
+use crate::upload::Upload;
+
+/// Arguments of `toile evaluate`.
+#[derive(Args, Debug)]
+pub struct Evaluate {
+    /// Outfits' files
+    #[arg(required = true, value_name = "FILE")]
+    outfits: Vec<PathBuf>,
+    /// Bodies and poses [default: evaluation.json of the artifacts]
+    #[arg(long, value_name = "FILE")]
+    set: Option<PathBuf>,
+    /// deepsd, deepsd-concat or skinning
+    #[arg(long, default_value = "deepsd", value_name = "METHOD")]
+    method: String,
+    /// Use only this many poses of the set
+    #[arg(long, value_name = "N")]
+    poses: Option<usize>,
+    /// Print the pose with the largest stretch of every outfit
+    #[arg(long)]
+    worst: bool,
+    #[command(flatten)]
+    parts: Parts,
+}
+
+/// Bodies and poses to evaluate on, as the API's `body` and `pose` objects.
+#[derive(Debug, Deserialize)]
+struct EvaluationSet {
+    bodies: Vec<BodyRequest>,
+    poses: Vec<PoseRequest>,
+}
+
+/// Figures before and after the resolve.
+struct Row {
+    before: Figures,
+    after: Figures,
+}
+
+impl Evaluate {
+    /// Drapes every outfit on every body in every pose and prints Markdown.
+    pub fn run(self) -> Result<(), Failure> {
+        let artifacts = self.parts.artifacts()?;
+        let assets = Assets::load(&artifacts)?;
+        let mut networks = OnnxNetworks::load(&artifacts, &self.parts.onnxruntime()?)?;
+        let method: MethodKind = self.method.parse()?;
+        let path = self.set.clone().unwrap_or_else(|| artifacts.join("evaluation.json"));
+        let mut set: EvaluationSet = serde_json::from_slice(&std::fs::read(path)?)?;
+        set.poses.truncate(self.poses.unwrap_or(usize::MAX));
+        let motions = set.motions(&assets)?;
+        println!(
+            "{method}, {} bodies x {} poses; % inside the body at vertices / triangle centroids",
+            set.bodies.len(),
+            set.poses.len()
+        );
+        println!("| outfit | before % | after % | edge mm before / after | stretch p99.9 before / after | max |");
+        println!("|---|---:|---:|---:|---:|---:|");
+        let mut rows = Vec::new();
+        for path in &self.outfits {
+            let (outfit, statics) = read(path, &assets, &mut networks)?;
+            let mut frames = Vec::new();
+            for motion in &motions {
+                let work = DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
+                let before = figures(&assets, &work, &mut networks)?;
+                let after = figures(&assets, &DrapeRequest { resolve: true, ..work }, &mut networks)?;
+                frames.extend(before.into_iter().zip(after));
+            }
+            let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+            if self.worst {
+                report_worst(&name, &frames, set.poses.len());
+            }
+            let (before, after): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
+            let row = Row { before: Figures::mean(&before), after: Figures::mean(&after) };
+            row.print(&name);
+            rows.push(row);
+        }
+        let column = |f: fn(&Row) -> Figures| Figures::mean(&rows.iter().map(f).collect::<Vec<_>>());
+        Row { before: column(|r| r.before), after: column(|r| r.after) }.print("**mean**");
+        Ok(())
+    }
+}
+
+impl EvaluationSet {
+    fn motions(&self, assets: &Assets) -> Result<Vec<Motion>, Failure> {
+        let mut out = Vec::new();
+        for body in &self.bodies {
+            let mut request = DrapeBody::single("", Some(body.clone()), None);
+            request.poses = Some(self.poses.clone());
+            out.push(request.motion(assets)?);
+        }
+        Ok(out)
+    }
+}
+
+fn read(path: &Path, assets: &Assets, networks: &mut dyn Networks) -> Result<(Outfit, StaticPass), Failure> {
+    let upload = Upload { file_name: Some(path.display().to_string()), ..Upload::default() };
+    let (outfit, _) = upload.read(&std::fs::read(path)?, assets)?;
+    let statics = assets.studio.static_pass(&outfit, &upload.fitted_on(assets)?, networks)?;
+    Ok((outfit, statics))
+}
+
+/// Figures of every frame; strain is against the same body's A-pose rest.
+fn figures(assets: &Assets, work: &DrapeRequest<'_>, networks: &mut dyn Networks) -> Result<Vec<Figures>, Failure> {
+    let shape = &work.motion.shape;
+    let shaped = assets.studio.body.shared_shape(shape);
+    let fitted = work.statics.fitted(&assets.studio, shape, &shaped);
+    let draped = drape(&assets.studio, work, networks)?;
+    let measure = |frame| Figures::measure(work.outfit, frame, &work.statics.edges, &fitted.lengths);
+    Ok(draped.frames.iter().map(measure).collect())
+}
+
+fn report_worst(name: &str, frames: &[(Figures, Figures)], poses: usize) {
+    let worst = frames.iter().enumerate().max_by(|a, b| a.1.1.stretch_p999.total_cmp(&b.1.1.stretch_p999));
+    if let Some((index, (before, after))) = worst {
+        eprintln!("{name}: body {} pose {}: before {before:?} after {after:?}", index / poses, index % poses);
+    }
+}
+
+impl Row {
+    fn print(&self, name: &str) {
+        let (b, a) = (&self.before, &self.after);
+        println!(
+            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.2} / {:.2} | {:.1} |",
+            b.vertices_inside,
+            b.centroids_inside,
+            a.vertices_inside,
+            a.centroids_inside,
+            b.edge_mm,
+            a.edge_mm,
+            b.stretch_p999,
+            a.stretch_p999,
+            a.stretch_max
+        );
+    }
+}
