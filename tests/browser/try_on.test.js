@@ -1,0 +1,205 @@
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { FittingRoom, launch, PHONE, TOILE_URL } from "./fitting_room.js";
+import { skirtGlb } from "./skirt.js";
+
+let browser;
+let room;
+
+before(async () => {
+  browser = await launch();
+  room = await FittingRoom.open(browser);
+});
+
+after(() => browser?.close());
+
+test("the page loads without errors and wears the first outfit", async () => {
+  await room.picturesDrawn();
+  const cards = await room.page.locator("[data-outfit]").count();
+  assert.ok(cards >= 1, "the gallery is empty");
+  assert.equal(await room.page.locator('[data-outfit][aria-pressed="true"]').count(), 1);
+  const stats = await room.stats();
+  assert.ok(stats.vertices > 100, `${stats.vertices} vertices`);
+  assert.ok(stats.height > 1.2 && stats.height < 2.3, `a figure ${stats.height} m tall`);
+  assert.deepEqual(room.errors, []);
+  await room.screenshot("gallery");
+});
+
+test("every outfit of the gallery has a picture", async () => {
+  await room.picturesDrawn();
+  const blank = await room.page.locator(".card--blank").count();
+  assert.equal(blank, 0);
+});
+
+test("choosing an outfit drapes it", async (context) => {
+  const others = room.page.locator('[data-outfit][aria-pressed="false"]');
+  if ((await others.count()) === 0) return context.skip("only one outfit");
+  const id = await others.first().getAttribute("data-outfit");
+  const { before: old, after: fresh } = await room.change(() => others.first().click());
+  assert.equal(fresh.outfit, id);
+  assert.notEqual(fresh.outfit, old.outfit);
+  assert.match(room.page.url(), new RegExp(`outfit=${id}`));
+});
+
+test("a taller body moves the cloth, in the buffers that are there", async () => {
+  await room.tab("body");
+  const { before: old, after: tall } = await room.change(() => room.measure("height", "186"));
+  assert.ok(tall.height > old.height + 0.05, `${old.height} m became ${tall.height} m`);
+  assert.equal(tall.vertices, old.vertices);
+  assert.ok(tall.inPlaceUpdates > old.inPlaceUpdates, "the buffers were made anew");
+  await room.page.locator("#measure-height-note", { hasText: /\d/ }).waitFor();
+  await room.screenshot("measurements");
+});
+
+test("a height in metres is refused next to its field, and the drape stays", async () => {
+  const old = await room.stats();
+  await room.measure("height", "1.68");
+  const error = room.page.locator("#measure-height-error");
+  await error.waitFor();
+  assert.match(await error.textContent(), /cm/);
+  assert.equal((await room.stats()).height, old.height);
+  await room.screenshot("measurement-error");
+  await room.change(() => room.page.click('.measurements [type="reset"]'));
+});
+
+test("a phenotype slider changes the body live", async () => {
+  await room.page.click('#panel-body [data-value="shape"]');
+  await room.settled();
+  const { before: old, after: heavy } = await room.change(() => room.page.locator("#phenotype-weight").fill("0.9"));
+  assert.notEqual(heavy.positionSum, old.positionSum);
+  await room.screenshot("shape");
+  await room.change(() => room.page.getByText("Back to the reference body").click());
+});
+
+test("a pose preset changes the drape", async () => {
+  await room.tab("pose");
+  const { before: old, after: posed } = await room.change(() => room.pose("arms-up"));
+  assert.ok(Math.abs(posed.positionSum - old.positionSum) > 1, "nothing moved");
+  assert.equal(await room.page.getAttribute('[data-pose="arms-up"]', "aria-pressed"), "true");
+  await room.screenshot("pose");
+});
+
+test("the heat map shows its legend and goes away again", async () => {
+  await room.tab("insight");
+  const { after: hot } = await room.change(() => room.page.click('[data-value="strain"]'));
+  assert.equal(hot.heat.kind, "strain");
+  await room.page.locator(".legend").waitFor();
+  await room.screenshot("heat-map");
+  const { after: inside } = await room.change(() => room.page.click('[data-value="penetration"]'));
+  assert.equal(inside.heat.kind, "penetration");
+  const { after: plain } = await room.change(() => room.page.click('[data-value="none"]'));
+  assert.equal(plain.heat, undefined);
+  assert.equal(await room.page.locator(".legend").count(), 0);
+});
+
+test("the service's time is shown stage by stage", async () => {
+  const stages = await room.page.locator(".timing__legend li").allTextContents();
+  for (const name of ["body", "dynamic", "encode"]) {
+    assert.ok(stages.some((stage) => stage.startsWith(name)), `no stage ${name} in ${stages}`);
+  }
+  await room.screenshot("insight");
+});
+
+test("skinning alone gives another drape than the network", async () => {
+  const { before: old, after: skinned } = await room.change(() => room.page.check('[name="method"][value="skinning"]'));
+  assert.notEqual(skinned.positionSum, old.positionSum);
+  await room.change(() => room.page.check('[name="method"][value="deepsd"]'));
+});
+
+test("a colour tints the cloth without asking the service", async () => {
+  await room.tab("fabric");
+  const { drapes } = await room.stats();
+  await room.page.click('[aria-label="Claret"]');
+  assert.equal(await room.page.getAttribute('[aria-label="Claret"]', "aria-pressed"), "true");
+  await room.screenshot("colour");
+  assert.equal((await room.stats()).drapes, drapes);
+});
+
+test("the walk plays, pauses and can be scrubbed", async () => {
+  await room.tab("pose");
+  await room.change(() => room.page.click('[data-motion="walk"]'));
+  await room.page.waitForFunction(() => document.querySelector("toile-viewer").stats().playback?.time > 0.1);
+  await room.page.getByRole("button", { name: "Pause" }).click();
+  const scrub = room.page.getByLabel("Position in the motion");
+  await scrub.fill("0.5");
+  const { playback } = await room.stats();
+  assert.equal(playback.playing, false);
+  assert.ok(Math.abs(playback.time / playback.duration - 0.5) < 0.02, `at ${playback.time} of ${playback.duration} s`);
+  await room.screenshot("walk");
+  const { after: still } = await room.change(() => room.page.getByLabel("Back to a still pose").click());
+  assert.equal(still.playback, undefined);
+});
+
+test("a file that is not a garment is refused with the reason", async () => {
+  await room.tab("outfits");
+  const file = { name: "letter.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("Dear Sir or Madam") };
+  await room.page.setInputFiles("#upload-file", file);
+  const error = room.page.locator(".upload .field-error");
+  await error.waitFor();
+  assert.ok((await error.textContent()).length > 20);
+  await room.screenshot("upload-error");
+});
+
+test("an uploaded skirt is worn with its mending report, and can be deleted", async () => {
+  const flare = 1 + (Date.now() % 1000) / 5000;
+  const file = { name: "tube_skirt.glb", mimeType: "model/gltf-binary", buffer: skirtGlb(flare) };
+  const { after: worn } = await room.change(() => room.page.setInputFiles("#upload-file", file));
+  const card = room.page.locator(`[data-outfit="${worn.outfit}"]`);
+  assert.match(await card.textContent(), /Tube skirt/);
+  await room.page.locator(".report[open]").getByText("Found and mended").waitFor();
+  await room.picturesDrawn();
+  await room.page.locator(".report").scrollIntoViewIfNeeded();
+  await room.screenshot("upload");
+  await room.page.click("#delete-outfit");
+  await room.change(() => room.page.getByRole("button", { name: "Delete", exact: true }).click());
+  assert.equal(await card.count(), 0);
+});
+
+test("a service that fails is reported, and trying again works", async () => {
+  await room.tab("pose");
+  const refusal = { title: "The service is stopping", detail: "Try again in a moment.", code: "stopping" };
+  await room.page.route("**/v1/drapes", (route) => route.fulfill({ status: 503, json: refusal }));
+  await room.pose("t-pose");
+  const notice = room.page.locator(".stage__notice");
+  await notice.waitFor();
+  assert.match(await notice.textContent(), /stopping/);
+  await room.screenshot("problem");
+  await room.page.unroute("**/v1/drapes");
+  await room.change(() => notice.getByRole("button", { name: "Try again" }).click());
+  assert.equal(await notice.isVisible(), false);
+});
+
+test("the keyboard reaches the choices", async () => {
+  await room.page.focus("#tab-outfits");
+  await room.page.keyboard.press("ArrowRight");
+  assert.equal(await room.page.getAttribute("#tab-body", "aria-selected"), "true");
+  assert.equal(await room.page.locator("#panel-body").isVisible(), true);
+});
+
+test("the page fits a phone without scrolling sideways", async () => {
+  const phone = await FittingRoom.open(browser, PHONE);
+  await phone.picturesDrawn();
+  const overflow = await phone.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(overflow <= 0, `${overflow} px too wide`);
+  await phone.screenshot("phone");
+  await phone.close();
+});
+
+test("the element works alone on another page", async () => {
+  const { outfit } = await room.stats();
+  const page = await browser.newPage();
+  await page.route("**/shop.html", (route) =>
+    route.fulfill({
+      contentType: "text/html",
+      body: `<script type="module" src="/toile-viewer.js"></script>
+        <toile-viewer outfit="${outfit}" pose="squat" style="width: 400px; height: 500px"></toile-viewer>`,
+    }),
+  );
+  await page.goto(`${TOILE_URL}/shop.html`);
+  await page.waitForFunction(() => document.querySelector("toile-viewer").stats?.().drapes === 1, undefined, { timeout: 180_000 });
+  const before_ = await page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
+  await page.evaluate(() => document.querySelector("toile-viewer").setAttribute("pose", "t-pose"));
+  await page.waitForFunction(() => document.querySelector("toile-viewer").stats().drapes === 2, undefined, { timeout: 180_000 });
+  const after_ = await page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
+  assert.notEqual(after_, before_);
+});
