@@ -23,6 +23,7 @@ const LOCAL_PULL: f64 = 0.1;
 const ITERATIONS: usize = 25;
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-7;
+const MOST_DAMPING: f64 = 1e4;
 /// Relative decrease of the cost that is no longer worth a step.
 const ENOUGH: f64 = 1e-4;
 /// A length that misses by more than this share and these centimetres cannot be had.
@@ -121,17 +122,21 @@ impl<'a> Problem<'a> {
         for iteration in 0..ITERATIONS {
             let equations = self.normal_equations(&best);
             let before = best.cost;
-            while best.cost == before {
+            let promise = equations.decrease(&self.at, &self.projected_step(&equations, LEAST_DAMPING));
+            if promise <= ENOUGH * before {
+                return iteration;
+            }
+            while best.cost == before && damping < MOST_DAMPING {
                 let trial = self.projected_step(&equations, damping);
-                if equations.decrease(&self.at, &trial) <= ENOUGH * before {
-                    return iteration;
-                }
                 let evaluated = self.evaluate(&trial);
                 if evaluated.cost < before {
                     (self.at, best, damping) = (trial, evaluated, (damping / 5.0).max(LEAST_DAMPING));
                 } else {
                     damping *= 4.0;
                 }
+            }
+            if before - best.cost <= ENOUGH * before {
+                return iteration + 1;
             }
         }
         ITERATIONS
