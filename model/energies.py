@@ -17,10 +17,13 @@ class Fabric:
     """Constants of a light woven cloth."""
 
     density: float = 0.2  # kg/m2
-    stretch: float = 400.0  # N/m
+    stretch: float = 600.0  # N/m
+    stiffening: float = 4.0  # times the stretch stiffness, added beyond `limit`
+    limit: float = 0.15  # strain at which woven cloth locks
     compression: float = 0.35  # share of the stretch stiffness that resists shortening
     bending: float = 3e-5  # N m
-    contact: float = 1.5e5  # J/m4, penalty of penetration
+    contact: float = 2.5e5  # J/m4, penalty of penetration
+    deep: float = 0.015  # m, depth from which the penalty grows linearly
     thickness: float = 0.004  # m, distance kept from the skin
     gravity: float = 9.81  # m/s2
 
@@ -47,7 +50,8 @@ def stretch(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
     """Edge term: equation 10 of DeePSD as springs, stretching stiffer than shortening (cloth buckles)."""
     strain = edge_lengths(x, mesh.edges) / mesh.length - 1
     stiffness = torch.where(strain > 0, fabric.stretch, fabric.stretch * fabric.compression)
-    return (0.5 * stiffness * strain.square() * mesh.edge_area).sum(1).mean() / mesh.area.sum()
+    locked = fabric.stiffening * fabric.stretch * (strain.abs() - fabric.limit).clamp(min=0).square()
+    return (0.5 * (stiffness * strain.square() + locked) * mesh.edge_area).sum(1).mean() / mesh.area.sum()
 
 
 def dihedral(x: Tensor, hinges: Tensor) -> Tensor:
@@ -75,14 +79,20 @@ def clearance(x: Tensor, points: Tensor, normals: Tensor) -> Tensor:
 
 
 def contact(distance: Tensor, margin: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
-    """Collision term, equation 12 squared: distance (P, N) below margin (N,) is penalised."""
+    """Collision term, equation 12 squared: distance (P, N) below margin (N,) is penalised, linearly beyond `deep`."""
     depth = (margin - distance).clamp(min=0)
-    return (fabric.contact * depth.square() * area).sum(1).mean() / area.sum()
+    near = depth.clamp(max=fabric.deep)
+    return (fabric.contact * near * (2 * depth - near) * area).sum(1).mean() / area.sum()
 
 
-def weight_of(x: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
-    """Potential energy of gravity."""
-    return (fabric.density * fabric.gravity * x[..., 1] * area).sum(1).mean() / area.sum()
+def weight_change(x: Tensor, up: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
+    """Potential of gravity beyond what the rest pose already hangs in.
+
+    up (P, N, 3): where skinning turns each vertex's rest +Y. A rest pose is drawn hanging, so gravity acts
+    only as far as its direction changes in the cloth's own frame: an upright shirt does not sag further.
+    """
+    load = torch.tensor([0.0, 1.0, 0.0]) - up
+    return (fabric.density * fabric.gravity * (load * x).sum(-1) * area).sum(1).mean() / area.sum()
 
 
 def hold(offset: Tensor, grip: Tensor, area: Tensor) -> Tensor:

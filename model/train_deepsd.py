@@ -23,7 +23,7 @@ import energies
 from energies import Fabric, RestMesh
 from garment import nearest
 from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
-from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_samples
+from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, carry, load_samples
 
 RUNS = Path(__file__).parent / "runs"
 
@@ -32,13 +32,13 @@ RUNS = Path(__file__).parent / "runs"
 class Schedule:
     """Weights that change over a run; progress runs from 0 to 1."""
 
-    prior: float = 0.3  # J/m2 per unit of divergence from the body's weights, fades to a tenth by a third of the run
+    prior: float = 0.3  # J/m2 per unit of divergence from the body's weights, fades to three tenths by a third of the run
     smooth_weights: float = 2.0
-    keep: float = 3.0  # N/m3, all offsets
-    grip: float = 600.0  # N/m3, offsets of cloth on the skin
+    keep: float = 15.0  # N/m3, all offsets
+    grip: float = 400.0  # N/m3, offsets of cloth on the skin
 
     def prior_at(self, progress: float) -> float:
-        return self.prior * max(0.1, 1 - 3 * progress)
+        return self.prior * max(0.3, 1 - 2 * progress)
 
 
 class DeePSD(nn.Module):
@@ -57,6 +57,7 @@ class Draped:
     rest: Tensor  # (N, 3)
     offset: Tensor  # (P, N, 3) rest space
     posed: Tensor  # (P, N, 3) world
+    up: Tensor  # (P, N, 3) where the rest +Y of each vertex turns to
     node_weights: Tensor  # (M, 36)
 
 
@@ -69,7 +70,8 @@ def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: 
     basis = spread(node_basis).reshape(len(rest), 3, -1)
     offset = torch.einsum("nkr,pr->pnk", basis, coefficients)
     weight, joint = top_four(spread(node_weights))
-    return Draped(rest, offset, skin(rest + offset, weight, joint, transforms), node_weights)
+    posed, up = skin(rest + offset, weight, joint, transforms)
+    return Draped(rest, offset, posed, up, node_weights)
 
 
 def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, margin: Tensor) -> dict[str, Tensor]:
@@ -100,7 +102,7 @@ def losses(
         "stretch": energies.stretch(d.posed, mesh, fabric),
         "bend": energies.bending(d.posed, mesh, fabric),
         "contact": energies.contact(clearances["body"], margin, mesh.area, fabric),
-        "gravity": energies.weight_of(d.posed, mesh.area, fabric),
+        "gravity": energies.weight_change(d.posed, d.up, mesh.area, fabric),
         "hold": energies.hold(d.offset, grip, mesh.area),
         "prior": schedule.prior_at(progress) * divergence,
         "smooth": schedule.smooth_weights * rough,
@@ -169,7 +171,7 @@ class Settings:
     seed: int = 0
 
 
-def learn(net: DeePSD, train: list[Sample], validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path) -> None:
+def learn(net: DeePSD, train: OutfitPool, validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path) -> None:
     """The training loop: Adam, cosine rate, running average of the weights, a log line and a checkpoint now and then."""
     rng = np.random.default_rng(s.seed)
     optimiser = torch.optim.Adam(net.parameters(), lr=s.rate, betas=(0.9, 0.98))
@@ -178,7 +180,7 @@ def learn(net: DeePSD, train: list[Sample], validation: list[Sample], banks: tup
     while (progress := (time.time() - started) / (60 * s.minutes)) < 1:
         for group in optimiser.param_groups:
             group["lr"] = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
-        history += [step(net, train, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]
+        history += [step(net, train.samples, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
         optimiser.step()
         optimiser.zero_grad()
@@ -187,6 +189,7 @@ def learn(net: DeePSD, train: list[Sample], validation: list[Sample], banks: tup
         if count % 100 == 0:
             report(history, count, progress, time.time() - started)
             history.clear()
+            train.refresh()
         if count % 500 == 0:
             save(average.module, out, validate(average.module, validation, banks[1]), count)
     save(average.module, out, validate(average.module, validation, banks[1]), count)
@@ -218,10 +221,10 @@ def main() -> None:
     net = DeePSD(Sizes())
     if a.resume:
         net.load_state_dict(torch.load(a.resume)["net"])
-    train = load_samples(a.outfits / "train")[: a.limit]
+    train = OutfitPool(a.outfits / "train", a.limit)
     validation = load_samples(a.outfits / "validation")[: a.limit]
     banks = BodyBank(a.shapes, a.poses, 1), BodyBank(6, 12, 2)
-    print(f"{len(train)} training and {len(validation)} validation outfits", flush=True)
+    print(f"{len(train.samples)} training and {len(validation)} validation outfits", flush=True)
     learn(net, train, validation, banks, Settings(a.minutes, rate=a.rate), a.out)
 
 

@@ -17,15 +17,14 @@ from body.pose_sampling import sample_poses
 from energies import RestMesh
 from garment import nearest
 from garment.binding import bind, reference_surface
+from garment.carry import MARGIN, blend, joint_maps, push_out, smoothed
 from garment.features import node_features
 from garment.graph import build, mesh_edges
 from garment.rest_mesh import rest_mesh, topology
-from nets.deepsd import Graph
+from nets.deepsd import Graph, gather_mean, top_four
 
 DATA = Path(__file__).parent / "data"
 LAYER_CANDIDATES = 8
-#: Cloth keeps this much of its rest distance when it is carried to another body.
-SHAPE_MARGIN = 0.003
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,9 @@ def load_sample(path: Path) -> Sample:
     """A prepared outfit, computed once and kept beside the file."""
     kept = path.with_suffix(".prepared.npz")
     if not kept.exists() or kept.stat().st_mtime < path.stat().st_mtime:
-        np.savez(kept, **prepare(path))
+        part = path.with_suffix(".part.npz")
+        np.savez(part, **prepare(path))
+        part.rename(kept)
     raw = np.load(kept)
     value = {k: torch.as_tensor(raw[k].astype(np.float32) if raw[k].dtype.kind == "f" else raw[k].astype(np.int64)) for k in raw}
     graph = Graph(**{name: value.pop(name) for name in Graph.__dataclass_fields__})
@@ -99,10 +100,27 @@ def load_sample(path: Path) -> Sample:
 
 
 def load_samples(folder: Path) -> list[Sample]:
-    paths = sorted(p for p in folder.glob("*.npz") if not p.name.endswith(".prepared.npz"))
+    paths = sorted(p for p in folder.glob("*.npz") if p.name.count(".") == 1)
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(_warm, paths, chunksize=8))
     return [load_sample(p) for p in paths]
+
+
+class OutfitPool:
+    """Outfits to draw from; files that appear in the folder while training runs are taken in by `refresh`."""
+
+    def __init__(self, folder: Path, limit: int | None = None) -> None:
+        self.folder, self.limit = folder, limit
+        self.samples = load_samples(folder)[:limit]
+        self._known = {s.name for s in self.samples}
+
+    def refresh(self) -> None:
+        """Loads outfits that are new in the folder and already prepared."""
+        for kept in sorted(self.folder.glob("*.prepared.npz")):
+            name = kept.name.removesuffix(".prepared.npz")
+            if name not in self._known and len(self.samples) < (self.limit or 10**9):
+                self.samples.append(load_sample(self.folder / f"{name}.npz"))
+                self._known.add(name)
 
 
 def _warm(path: Path) -> None:
@@ -130,6 +148,7 @@ class BodyBank:
         self.triangles = torch.as_tensor(body.triangles)
         self.ring = nearest.ring_table(len(body.skin_joints), mesh_edges(body.triangles))
         self.reference = torch.as_tensor(reference_surface().vertices, dtype=torch.float32)
+        self.skin = torch.as_tensor(body.garment_skin, dtype=torch.float32)
         parents = body.parents[body.garment_joints]
         self.parents = torch.as_tensor(np.where(parents < 0, -1, body.garment_joint[parents]))
         rng = np.random.default_rng(seed)
@@ -160,8 +179,8 @@ def random_shape(rng: np.random.Generator, index: int) -> tuple[dict[str, float]
         return {}, {}
     body = AnnyBody.load()
     phenotypes = {name: float(rng.uniform(0.05, 0.95)) for name in body.phenotypes if name != "age"}
-    phenotypes["age"] = float(rng.uniform(0.6, 0.9))
-    local = {name: float(np.clip(rng.normal(0, 0.25), -0.8, 0.8)) for name in body.local_changes}
+    phenotypes |= {"age": float(rng.uniform(0.6, 0.9)), "height": float(rng.uniform(0.1, 0.75))}
+    local = {name: float(np.clip(rng.normal(0, 0.15), -0.6, 0.6)) for name in body.local_changes}
     return phenotypes, local
 
 
@@ -175,23 +194,14 @@ def shape_vector(body: AnnyBody, phenotypes: dict[str, float], local: dict[str, 
 @torch.no_grad()
 def carry(sample: Sample, bank: BodyBank, entry: ShapedPoses) -> tuple[Tensor, RestMesh]:
     """The outfit on another body shape, pushed out where the carried cloth would enter the skin: (N, 3), tables."""
-    moved = entry.apose - bank.reference
-    v = sample.vertices + (moved[sample.shape_index] * sample.shape_weight[..., None]).sum(1)
-    margin = sample.distance.clamp(0, SHAPE_MARGIN)
-    edges = sample.tables[0]
-    for _ in range(4):
-        hit = nearest.nearest(v[None], entry.apose[None], sample.candidates, bank.ring)[0]
-        normal = entry.apose_normals[hit]
-        push = (margin - ((v - entry.apose[hit]) * normal).sum(1)).clamp(min=0)[:, None] * normal
-        v = v + torch.maximum(push.abs(), smooth(push, edges).abs()) * torch.sign(smooth(push, edges) + push)
+    maps = joint_maps(bank.reference, entry.apose, bank.skin)
+    missed = entry.apose - blend(maps, bank.reference, bank.skin)
+    prior = gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight)
+    weight, joint = top_four(prior)
+    kept = torch.zeros_like(prior).scatter(1, joint, weight)
+    field = (sample.vertex_from_node, sample.vertex_from_node_weight, sample.graph.near, sample.graph.near_weight)
+    followed = (missed[sample.shape_index] * sample.shape_weight[..., None]).sum(1)
+    v = blend(maps, sample.vertices, kept) + smoothed(followed, *field)
+    skin = (entry.apose, entry.apose_normals)
+    v = push_out(v, sample.distance.clamp(0.001, MARGIN), skin, sample.candidates, bank.ring, field)
     return v, rest_mesh(v, sample.tables)
-
-
-def smooth(field: Tensor, edges: Tensor) -> Tensor:
-    """Mean of each vertex's neighbours, (N, C)."""
-    total = torch.zeros_like(field)
-    total.index_add_(0, edges[:, 0], field[edges[:, 1]]).index_add_(0, edges[:, 1], field[edges[:, 0]])
-    count = torch.zeros(len(field)).index_add_(0, edges.reshape(-1), torch.ones(edges.numel()))
-    return total / count.clamp(min=1)[:, None]
-
-

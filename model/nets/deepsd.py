@@ -160,8 +160,11 @@ def top_four(weights: Tensor) -> tuple[Tensor, Tensor]:
     return value / value.sum(1, keepdim=True), joint
 
 
-def skin(rest: Tensor, weight: Tensor, joint: Tensor, transforms: Tensor) -> Tensor:
-    """Linear blend skinning, equation 3: rest (P, N, 3), weight and joint (N, 4), transforms (P, J, 3, 4) -> (P, N, 3)."""
+def skin(rest: Tensor, weight: Tensor, joint: Tensor, transforms: Tensor) -> tuple[Tensor, Tensor]:
+    """Linear blend skinning, equation 3: rest (P, N, 3), weight and joint (N, 4), transforms (P, J, 3, 4).
+
+    Returns posed vertices (P, N, 3) and where each vertex's rest +Y turns to (P, N, 3), without gradient.
+    """
     blended = (transforms.flatten(2)[:, joint] * weight[None, :, :, None]).sum(2)
     blended = blended.reshape(*rest.shape[:2], 3, 4)
-    return (blended[..., :3] @ rest[..., None])[..., 0] + blended[..., 3]
+    return (blended[..., :3] @ rest[..., None])[..., 0] + blended[..., 3], blended[..., 1].detach()

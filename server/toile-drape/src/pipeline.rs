@@ -15,7 +15,7 @@ use crate::methods::{MethodKind, Placement, PosedSkeleton};
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::push_out::Collider;
-use crate::resolve::resolve;
+use crate::resolve::{Resolved, resolve};
 use crate::skinning::place;
 use crate::static_pass::StaticPass;
 use crate::studio::Studio;
@@ -41,6 +41,8 @@ pub struct DrapeRequest<'a> {
     pub motion: &'a Motion,
     /// The way to drape.
     pub method: MethodKind,
+    /// Whether cloth inside the body or under inner garments is moved out afterwards.
+    pub resolve: bool,
 }
 
 /// One draped frame, world space.
@@ -196,7 +198,9 @@ fn drape_frame(
     let mut positions =
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, garment));
     let skin = Collider { vertices: &vertices, normals: &body_normals, ring: &scene.studio.reference.ring };
-    let resolved = timing.time("resolve", || resolve(outfit, statics, &skin, &mut positions));
+    let resolved = timing.time("resolve", || {
+        if scene.request.resolve { resolve(outfit, statics, &skin, &mut positions) } else { Resolved::default() }
+    });
     let normals = timing.time("normals", || vertex_normals(&positions, &outfit.triangles));
     let (strain, mut quality) = timing.time("quality", || strains(scene, &positions));
     let percent = |count: usize| 100.0 * count as f32 / positions.len().max(1) as f32;

@@ -137,7 +137,7 @@ impl Stored<'_> {
         if view.dtype() != dtype || view.data().len() % size_of::<T>() != 0 {
             return Err(DrapeError::Stored(format!("{name} is not {dtype:?}")));
         }
-        Ok(bytemuck::pod_collect_to_vec(view.data()))
+        Ok(bytemuck::allocation::pod_collect_to_vec(view.data()))
     }
 
     fn floats(&self, name: &str) -> Result<Vec<f32>, DrapeError> {

@@ -101,6 +101,10 @@ fn read(path: &Path) -> Result<Vec<u8>, LoadError> {
 fn read_manifest(path: &Path) -> Result<Manifest, LoadError> {
     let mismatch = |reason: String| LoadError::Mismatch { path: path.to_owned(), reason };
     let manifest: Manifest = serde_json::from_slice(&read(path)?).map_err(|e| mismatch(e.to_string()))?;
+    let folder = path.parent().and_then(Path::file_name);
+    if folder.is_none_or(|f| f != manifest.method.as_str()) {
+        return Err(mismatch(format!("it is of method {}", manifest.method)));
+    }
     if manifest.format != FORMAT {
         return Err(mismatch(format!("format {} instead of {FORMAT}", manifest.format)));
     }

@@ -20,11 +20,9 @@ pub(super) fn assemble(source: OutfitSource, soup: Soup, drafts: Vec<Draft>, lay
     }
     let mut outfit = assembly.outfit;
     outfit.materials = palette.materials(source.materials);
-    outfit.name = source
-        .name
-        .filter(|name| !name.trim().is_empty())
-        .or_else(|| outfit.garments.first().map(|garment| garment.name.clone()))
-        .unwrap_or_default();
+    let mesh_names = source.meshes.into_iter().map(|mesh| mesh.name);
+    let mut names = source.name.into_iter().chain(mesh_names).filter(|name| !name.trim().is_empty());
+    outfit.name = names.next().unwrap_or_else(|| "outfit".to_owned());
     outfit
 }
 

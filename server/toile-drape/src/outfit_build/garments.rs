@@ -63,7 +63,10 @@ pub(super) fn group(
         return Err(OutfitError::TooLarge { count: groups.drafts.len(), limit: MOST_GARMENTS });
     }
     if groups.joined > 0 {
-        report.notes.push(format!("{} small pieces go with the garment nearest to them.", groups.joined));
+        report.notes.push(match groups.joined {
+            1 => "1 small piece goes with the garment nearest to it.".to_owned(),
+            count => format!("{count} small pieces go with the garment nearest to them."),
+        });
     }
     Ok(named(groups.drafts, source))
 }

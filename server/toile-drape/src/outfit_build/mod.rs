@@ -10,6 +10,8 @@ mod garments;
 mod layers;
 mod orient;
 mod placement;
+#[cfg(test)]
+mod tests;
 mod weld;
 
 use glam::Vec3;
