@@ -28,7 +28,9 @@ def save(outfit: OutfitMesh, path: Path) -> None:
     np.savez_compressed(
         scratch,
         vertices=np.concatenate([g.vertices for g in outfit.garments]).astype(np.float32),
-        triangles=np.concatenate([g.triangles + o for g, o in zip(outfit.garments, offsets, strict=False)]).astype(np.int32),
+        triangles=np.concatenate([g.triangles + o for g, o in zip(outfit.garments, offsets, strict=False)]).astype(
+            np.int32
+        ),
         garment=np.repeat(np.arange(len(outfit.garments)), np.diff(offsets)).astype(np.uint8),
         garment_names=np.array([g.name for g in outfit.garments]),
         family=outfit.family,

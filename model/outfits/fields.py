@@ -5,7 +5,6 @@ A field maps points (N, 3) in rest space to signed distances in metres, negative
 
 from __future__ import annotations
 
-
 import numpy as np
 from scipy.ndimage import map_coordinates
 
@@ -46,14 +45,16 @@ def hang(radius: Array, slope: float) -> Array:
 
 
 def taut(radius: Array, low: float, high: float) -> Array:
-    """Straight lines of fall between two heights: the least concave majorant of each column over height, (H, ANGLES)."""
+    """Straight lines of fall between two heights: the concave majorant of each column over height."""
     rows = np.flatnonzero((low - OUTLINE_STEP <= HEIGHTS) & (high + OUTLINE_STEP >= HEIGHTS))
     out = radius.copy()
     for column in range(ANGLES):
         r = radius[rows, column]
         kept: list[int] = []
         for i in range(len(rows)):
-            while len(kept) > 1 and (r[kept[-1]] - r[kept[-2]]) * (i - kept[-1]) <= (r[i] - r[kept[-1]]) * (kept[-1] - kept[-2]):
+            while len(kept) > 1 and (r[kept[-1]] - r[kept[-2]]) * (i - kept[-1]) <= (r[i] - r[kept[-1]]) * (
+                kept[-1] - kept[-2]
+            ):
                 kept.pop()
             kept.append(i)
         out[rows, column] = np.interp(np.arange(len(rows)), kept, r[kept])
@@ -112,7 +113,7 @@ def sleeve_end(body: BodyFields, length: float) -> Field:
 
 
 def armhole(inset: float, depth: float) -> Field:
-    """Positive where a sleeveless garment leaves the shoulder free; `inset` narrows the strap, `depth` lowers the hole."""
+    """Positive off the shoulder of a sleeveless garment; `inset` narrows the strap, `depth` lowers the hole."""
 
     def field(p: Array) -> Array:
         x, y = np.abs(p[:, 0]), p[:, 1]
@@ -125,11 +126,11 @@ def armhole(inset: float, depth: float) -> Field:
 
 
 def neckline(front: float, back: float, width: float, powers: tuple[float, float]) -> Field:
-    """Positive above a neckline with the given heights on the centre line, half width and front and back curve powers."""
+    """Positive above a neckline of given heights on the centre line, half width, and front and back curve powers."""
 
     def field(p: Array) -> Array:
         t = np.abs(p[:, 0]) / width
-        side = 1.565
+        side = max(1.565, back)
         # A stand collar is higher than its side and stays level beyond it, or it would cut the shoulders.
         low_front = front + (side - front) * np.minimum(t, 1.6 if front < side else 1.0) ** powers[0]
         low_back = back + (side - back) * np.minimum(t, 1.6 if back < side else 1.0) ** powers[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from body.anny_body import AnnyBody, ShapedBody
 
 from .body_fields import BodyFields, body_fields
@@ -37,9 +38,7 @@ def generate(
     return OutfitMesh(family, seed, assemble(worn, fields, [(density, str(s)) for s in styles]))
 
 
-def assemble(
-    worn: list[Pattern | Trimming], fields: BodyFields, cloths: list[tuple[int, str]]
-) -> list[GarmentMesh]:
+def assemble(worn: list[Pattern | Trimming], fields: BodyFields, cloths: list[tuple[int, str]]) -> list[GarmentMesh]:
     """Sew from the inside out; `cloths` gives (vertices per square metre, triangulation) for each piece."""
     shapes: list[Shape] = []
     garments: list[GarmentMesh] = []

@@ -43,7 +43,12 @@ class _Document:
 
     def accessor(self, values: NDArray, kind: str, component: int, bounds: bool = False) -> int:
         target = INDEX_BUFFER if kind == "SCALAR" else VERTEX_BUFFER
-        item = {"bufferView": self.view(values.tobytes(), target), "componentType": component, "count": len(values), "type": kind}
+        item = {
+            "bufferView": self.view(values.tobytes(), target),
+            "componentType": component,
+            "count": len(values),
+            "type": kind,
+        }
         if bounds:
             item |= {"min": values.min(0).tolist(), "max": values.max(0).tolist()}
         return self.add("accessors", item)

@@ -64,9 +64,7 @@ def face_normals(vertices: Array, triangles: Index) -> Array:
 def vertex_normals(vertices: Array, triangles: Index) -> Array:
     """Area-weighted unit vertex normals, (N, 3)."""
     face = face_normals(vertices, triangles)
-    out = np.stack(
-        [np.bincount(triangles.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)], 1
-    )
+    out = np.stack([np.bincount(triangles.ravel(), np.repeat(face[:, k], 3), len(vertices)) for k in range(3)], 1)
     return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
 
 

@@ -72,13 +72,13 @@ def collar(shirt: Shape, worn: list[Shape], fall: float, point: float) -> Shape:
         ahead = fl.ramp(p[:, 2], 0.03, 0.07)
         depth = fall + point * ahead * np.exp(-(((x - 0.052) / 0.030) ** 2))
         level = neck(p)
-        reach = np.hypot(p[:, 0], p[:, 2] - 0.012) - (0.088 + 0.035 * ahead)
+        reach = np.hypot(p[:, 0], p[:, 2] - 0.012) - (0.112 + 0.030 * ahead)
         gap = ahead * 0.10 + (0.006 - 0.55 * level - x) - 0.10
         outside = np.maximum(level + 0.001, -depth - level)
         return fl.smooth_max(fl.smooth_max(outside, reach, 0.01), gap, 0.004)
 
     pattern = Pattern("collar", "collar")
-    return Shape(pattern, Surface(over(worn, LIFT), g), np.array([-0.17, 1.40, -0.13]), np.array([0.17, 1.66, 0.19]))
+    return Shape(pattern, Surface(over(worn, 0.007), g), np.array([-0.17, 1.40, -0.13]), np.array([0.17, 1.66, 0.19]))
 
 
 def lapels(jacket: Shape, worn: list[Shape], width: float, low: float) -> Shape:
@@ -91,7 +91,9 @@ def lapels(jacket: Shape, worn: list[Shape], width: float, low: float) -> Shape:
         return np.maximum(side, np.maximum(low + 0.01 - p[:, 1], np.abs(p[:, 0]) - 0.14))
 
     pattern = Pattern("lapels", "lapels")
-    return Shape(pattern, Surface(over(worn, LIFT), g), np.array([-0.17, low - 0.03, -0.14]), np.array([0.17, 1.64, 0.30]))
+    return Shape(
+        pattern, Surface(over(worn, LIFT), g), np.array([-0.17, low - 0.03, -0.14]), np.array([0.17, 1.64, 0.30])
+    )
 
 
 def front_depth(field: Field, x: Array, y: Array) -> Array:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import fields as fl
+from . import wrinkles
 from .body_fields import BodyFields
 from .marching import Field
 from .mesh import Array
@@ -46,6 +47,8 @@ class Pattern:
     hem_dip: float = 0.0  # how much lower the back hem is than the front
     cape: bool = False  # falls over the arms
     split: float | None = None  # height up to which a slit runs at the left side
+    wrinkle: float = 0.0  # depth of soft folds
+    wrinkle_seed: int = 1
     tucked: float | None = None  # height of the waistband that a tucked garment disappears into
 
 
@@ -69,11 +72,11 @@ def shape(pattern: Pattern, body: BodyFields, inner: list[Shape], gap: float = 0
     if pattern.cape:
         parts.append(_cape(pattern, body))
     elif pattern.top is None or pattern.thigh is None:
-        parts.append(_trunk(pattern, body))
+        parts.append(wrinkles.on_trunk(_trunk(pattern, body), pattern.wrinkle, pattern.wrinkle_seed))
     if pattern.thigh is not None:
-        parts.append(_legs(pattern, body))
+        parts.append(wrinkles.on_legs(_legs(pattern, body), pattern.wrinkle, pattern.wrinkle_seed))
     if pattern.sleeve is not None:
-        parts.append(_sleeves(pattern, body))
+        parts.append(wrinkles.on_sleeves(_sleeves(pattern, body), body, pattern.wrinkle, pattern.wrinkle_seed))
     # A wide fillet would lift tight garments off the skin.
     fillet = float(np.clip(2 * pattern.chest, 0.008, 0.05))
     solids = [s.solid(gap) for s in inner]
@@ -115,8 +118,8 @@ def _trunk(pattern: Pattern, body: BodyFields) -> Field:
 
 def _skirt(pattern: Pattern, radius: Array) -> Array:
     start = pattern.skirt_from
-    below = fl.HEIGHTS < start
-    falling = fl.hang(np.where((fl.HEIGHTS < start + 0.01)[:, None], radius, 0), 0.10)
+    below = start > fl.HEIGHTS
+    falling = fl.hang(np.where((start + 0.01 > fl.HEIGHTS)[:, None], radius, 0), 0.10)
     falling = fl.taut(falling, pattern.hem, min(start, 0.94))
     drop = np.maximum(start - fl.HEIGHTS, 0)
     # The flare sets in gently, so that the skirt leaves the hip without a corner.
@@ -160,8 +163,8 @@ def _legs(pattern: Pattern, body: BodyFields) -> Field:
         one_leg = fl.smooth_max(one_leg, p[:, 1] - 0.95, 0.05)
         # The crotch seam is a U from front to back.
         forward = p[:, 2] - 0.03
-        floor = crotch + np.where(forward > 0, 8.0, 3.5) * np.minimum(np.abs(forward), 0.14) ** 2
-        trunk = fl.smooth_max(seat(p), np.maximum((floor - p[:, 1]) * 0.7, p[:, 1] - lid), 0.03)
+        floor = crotch + np.where(forward > 0, 4.5, 3.0) * np.minimum(np.abs(forward), 0.14) ** 2
+        trunk = fl.smooth_max(seat(p), np.maximum((floor - p[:, 1]) * 0.8, p[:, 1] - lid), 0.04)
         return fl.smooth_min(trunk, one_leg, 0.02)
 
     return field
@@ -200,7 +203,9 @@ def _hem(pattern: Pattern) -> Field:
     def field(p: Array) -> Array:
         cut = pattern.hem - pattern.hem_dip * fl.ramp(-p[:, 2], -0.15, 0.25) - p[:, 1]
         if pattern.split is not None:
-            slit = np.minimum(0.004 + 0.10 * (pattern.split - p[:, 1]) - np.abs(p[:, 2] - 0.02), pattern.split - p[:, 1])
+            slit = np.minimum(
+                0.004 + 0.10 * (pattern.split - p[:, 1]) - np.abs(p[:, 2] - 0.02), pattern.split - p[:, 1]
+            )
             cut = np.maximum(cut, np.minimum(slit, p[:, 0] - 0.05))
         if pattern.sleeve is None or pattern.hem < 0.8:
             return cut

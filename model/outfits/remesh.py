@@ -50,7 +50,7 @@ def remesh(vertices: Array, triangles: Index, surface: Surface, edge: float, pas
     rng = np.random.default_rng(len(vertices))
     for i in range(50):
         count = len(vertices)
-        vertices, triangles = collapse_short(vertices, triangles, 0.75 * edge, 1.4 * edge, rng)
+        vertices, triangles = collapse_short(vertices, triangles, (0.75 * edge, 1.4 * edge), rng)
         if i % 2:
             triangles = flip_to_delaunay(vertices, triangles)
         if i % 6 == 5:
@@ -60,7 +60,7 @@ def remesh(vertices: Array, triangles: Index, surface: Surface, edge: float, pas
     for i in range(passes):
         vertices, triangles = split_long(vertices, triangles, 1.38 * edge)
         for _ in range(2):
-            vertices, triangles = collapse_short(vertices, triangles, 0.75 * edge, 1.38 * edge, rng)
+            vertices, triangles = collapse_short(vertices, triangles, (0.75 * edge, 1.38 * edge), rng)
         for _ in range(2):
             triangles = flip_to_delaunay(vertices, triangles)
         vertices = relax(vertices, triangles, surface, 0.5 if i < passes - 2 else 0.3)
@@ -79,7 +79,7 @@ def remove_slivers(vertices: Array, triangles: Index, surface: Surface) -> tuple
             break
         _, sides, _ = edges_of(triangles)
         chosen = sides[thin, angles[thin].argmin(1)]
-        vertices, triangles = collapse_short(vertices, triangles, np.inf, np.inf, rng, chosen)
+        vertices, triangles = collapse_short(vertices, triangles, (np.inf, np.inf), rng, chosen)
         for _ in range(2):
             triangles = flip_to_delaunay(vertices, triangles)
         vertices = relax(vertices, triangles, surface, 0.3)
@@ -110,21 +110,33 @@ def split_long(vertices: Array, triangles: Index, longest: float) -> tuple[Array
 
 
 def collapse_short(
-    vertices: Array, triangles: Index, shortest: float, longest: float, rng: np.random.Generator, only: Index | None = None
+    vertices: Array,
+    triangles: Index,
+    bounds: tuple[float, float],
+    rng: np.random.Generator,
+    only: Index | None = None,
 ) -> tuple[Array, Index]:
-    """Collapse an independent set of edges below `shortest` unless that makes one above `longest` or flips a triangle."""
+    """Collapse an independent set of edges below the first of `bounds`.
+
+    None may make an edge longer than the second bound, flip a triangle or make a sliver; `only` restricts the edges.
+    """
+    shortest, longest = bounds
     edges, _, uses = edges_of(triangles)
     i, j = edges.T
     rim = np.zeros(len(vertices), bool)
     rim[edges[uses == 1].ravel()] = True
     length = np.linalg.norm(vertices[i] - vertices[j], axis=1)
-    allowed = (length < shortest) & ~(rim[i] & rim[j] & (uses == 2)) & _link_condition(edges, triangles, uses, len(vertices))
+    allowed = (
+        (length < shortest) & ~(rim[i] & rim[j] & (uses == 2)) & _link_condition(edges, triangles, uses, len(vertices))
+    )
     if only is not None:
         allowed &= np.isin(np.arange(len(edges)), only)
     if not allowed.any():
         return vertices, triangles
     for _ in range(2):
-        chosen = _independent(edges, np.where(allowed, length * (1 + 0.1 * rng.random(len(edges))), np.inf), len(vertices))
+        chosen = _independent(
+            edges, np.where(allowed, length * (1 + 0.1 * rng.random(len(edges))), np.inf), len(vertices)
+        )
         target = np.where((rim[i] & ~rim[j])[:, None], vertices[i], vertices[edges].mean(1))
         target = np.where((rim[j] & ~rim[i])[:, None], vertices[j], target)
         bad = _spoiled(vertices, triangles, edges, (chosen, target, longest))
