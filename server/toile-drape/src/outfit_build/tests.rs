@@ -132,7 +132,9 @@ fn a_closed_piece_is_wound_by_its_volume() {
         for side in 0..32 {
             let (a, b) = (rim + side, rim + (side + 1) % 32);
             let quad = [[a, a + count, b + count], [a, b + count, b]];
-            shell.parts[0].triangles.extend(quad.map(|[p, q, r]| if rim == 0 { [p, q, r] } else { [p, r, q] }));
+            shell.parts[0]
+                .triangles
+                .extend(quad.map(|[p, q, r]| if rim == 0 { [p, q, r] } else { [p, r, q] }));
         }
     }
     assert_eq!(built(vec![shell.clone()]).1.flipped_normals, 0);
@@ -257,8 +259,9 @@ fn broken_meshes_have_their_own_codes() {
 fn a_soup_of_loose_triangles_is_one_garment() {
     let tube = tube(0.2, 1.0, 1.5);
     let positions = tube.parts[0].triangles.iter().flatten().enumerate();
-    let positions: Vec<Vec3> =
-        positions.map(|(i, corner)| tube.positions[*corner as usize] * (1.0 + (i / 3) as f32 * 1e-4)).collect();
+    let positions: Vec<Vec3> = positions
+        .map(|(i, corner)| tube.positions[*corner as usize] * (1.0 + (i / 3) as f32 * 1e-4))
+        .collect();
     let triangles = (0..positions.len() as u32 / 3).map(|t| [t * 3, t * 3 + 1, t * 3 + 2]).collect();
     let (outfit, report) = built(vec![mesh("soup", positions, triangles)]);
     assert_eq!((outfit.garments.len(), report.components), (1, 1024));
@@ -270,8 +273,10 @@ fn triangles_are_sorted_by_material_and_unused_materials_left_out() {
     let back = shirt.parts[0].triangles.split_off(500);
     shirt.parts[0].material = Some(2);
     shirt.parts.push(RawPart { triangles: back, material: Some(0) });
-    let materials = ["back", "unused", "front"].map(|name| Material { name: name.into(), ..Material::default() });
-    let source = OutfitSource { meshes: vec![shirt], materials: materials.to_vec(), ..OutfitSource::default() };
+    let materials =
+        ["back", "unused", "front"].map(|name| Material { name: name.into(), ..Material::default() });
+    let source =
+        OutfitSource { meshes: vec![shirt], materials: materials.to_vec(), ..OutfitSource::default() };
     let outfit = on_body(source).unwrap().0;
     assert_eq!(outfit.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["back", "front"]);
     let parts = &outfit.garments[0].parts;

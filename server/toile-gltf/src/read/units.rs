@@ -34,6 +34,16 @@ impl Units {
         }
     }
 
+    /// The unit in words.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Metres => "metres",
+            Self::Centimetres => "centimetres",
+            Self::Millimetres => "millimetres",
+            Self::Inches => "inches",
+        }
+    }
+
     /// Symbol at the API: `m`, `cm`, `mm` or `in`.
     #[must_use]
     pub fn symbol(self) -> &'static str {
@@ -110,7 +120,7 @@ const REACH_ABOVE: f32 = 0.3;
 const REACH_BELOW: f32 = 0.15;
 const REACH_ASIDE: f32 = 0.6;
 /// Smallest and largest plausible extent of an outfit, metres.
-const EXTENT: std::ops::RangeInclusive<f32> = 0.08..=3.0;
+const EXTENT: std::ops::RangeInclusive<f32> = 0.05..=3.0;
 
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
@@ -177,7 +187,7 @@ fn choose(bounds: Bounds, hints: &Hints, notes: &mut Vec<String>) -> Result<(Uni
         // glTF is in metres and Y up: where that fits, it is what the file means.
         fitting if fitting.contains(&usual) => Ok(usual),
         [only] => {
-            let (units, up) = (only.0.symbol(), only.1.symbol());
+            let (units, up) = (only.0.words(), only.1.symbol());
             notes.push(format!(
                 "The file was taken to be in {units} with {up} up, because only so it lies on the body."
             ));
@@ -202,8 +212,8 @@ fn fallback(bounds: Bounds, usual: (Units, Up), hints: &Hints) -> Result<(Units,
 
 fn ambiguous(several: &[(Units, Up)]) -> String {
     let list: Vec<String> =
-        several.iter().map(|(u, up)| format!("{} with {} up", u.symbol(), up.symbol())).collect();
-    format!("the outfit would lie on the body in {}", list.join(" or in "))
+        several.iter().map(|(units, up)| format!("in {} with {} up", units.words(), up.symbol())).collect();
+    format!("the outfit would lie on the body {}", list.join(" or "))
 }
 
 /// UVs of OBJ count from the bottom, those of glTF from the top.

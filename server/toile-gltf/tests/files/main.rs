@@ -1,0 +1,10 @@
+//! Reading and writing files, hostile ones among them.
+
+#![allow(missing_docs)]
+
+mod hostile;
+mod obj;
+mod reading;
+mod support;
+mod units;
+mod writing;
