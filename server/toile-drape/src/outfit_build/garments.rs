@@ -62,12 +62,11 @@ pub(super) fn group(
     if groups.drafts.len() > MOST_GARMENTS {
         return Err(OutfitError::TooLarge { count: groups.drafts.len(), limit: MOST_GARMENTS });
     }
-    if groups.joined > 0 {
-        report.notes.push(match groups.joined {
-            1 => "1 small piece goes with the garment nearest to it.".to_owned(),
-            count => format!("{count} small pieces go with the garment nearest to them."),
-        });
-    }
+    report.notes.extend(match groups.joined {
+        0 => None,
+        1 => Some("1 small piece goes with the garment nearest to it.".to_owned()),
+        count => Some(format!("{count} small pieces go with the garment nearest to them.")),
+    });
     Ok(named(groups.drafts, source))
 }
 

@@ -3,6 +3,7 @@
 #![allow(missing_docs)]
 
 mod hostile;
+mod limits;
 mod obj;
 mod reading;
 mod support;
