@@ -116,7 +116,7 @@ def _dot_dress() -> Demo:
         (
             (dress, _fabric("dots", "#22305a", "#f2eee4", tile=0.16)),
             (Trimming("belt", (1.165, 0.04)), _fabric("plain", "#b3303a")),
-            (Trimming("bow", (0.0, 1.165, 0.075)), _fabric("plain", "#b3303a", sheen=0.4)),
+            (Trimming("bow", (0.0, 1.165, 0.095)), _fabric("plain", "#b3303a", sheen=0.4)),
         ),
     )
 
@@ -213,13 +213,13 @@ def _jumpsuit() -> Demo:
         chest=0.016,
         waist=0.016,
         hip=0.022,
-        looseness=0.25,
+        looseness=0.35,
         sleeve=0.17,
         sleeve_ease=0.016,
         cuff_ease=0.022,
         neck=(1.36, 1.54, 0.09, 1.15, 2.2),
-        thigh=0.03,
-        leg_hem=0.045,
+        thigh=0.045,
+        leg_hem=0.085,
         rise=0.025,
     )
     return Demo(

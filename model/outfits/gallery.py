@@ -43,27 +43,18 @@ def write_demo(demo: Demo, out: Path) -> dict:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=OUT)
-    parser.add_argument(
-        "--only", default="", help="write only demos whose name contains this; leaves gallery.json alone"
-    )
+    parser.add_argument("--only", default="", help="write only the demos whose names contain this")
     args = parser.parse_args()
-    out = args.out
-    out.mkdir(parents=True, exist_ok=True)
-    entries = []
-    for make in DEMOS:
-        if args.only not in make().name:
-            continue
-        entries.append(write_demo(make(), out))
-        print(
-            entries[-1]["file"],
-            entries[-1]["vertices"],
-            (out / entries[-1]["file"]).stat().st_size // 1024,
-            "KB",
-            flush=True,
-        )
-    if args.only:
-        return
-    (out / "gallery.json").write_text(json.dumps(entries, indent=2) + "\n")
+    args.out.mkdir(parents=True, exist_ok=True)
+    index = args.out / "gallery.json"
+    known = {e["name"]: e for e in json.loads(index.read_text())} if args.only and index.exists() else {}
+    for demo in (make() for make in DEMOS):
+        if args.only in demo.name:
+            known[demo.name] = write_demo(demo, args.out)
+            print(known[demo.name]["file"], known[demo.name]["vertices"], "vertices", flush=True)
+    order = [make().name for make in DEMOS]
+    entries = sorted(known.values(), key=lambda e: order.index(e["name"]))
+    index.write_text(json.dumps(entries, indent=2) + "\n")
 
 
 if __name__ == "__main__":
