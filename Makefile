@@ -74,7 +74,6 @@ $(MODEL_TOOLS): model/requirements-model.txt model/requirements-test.txt model/r
 	@echo "setting up $(MODEL_VENV) with PyTorch"
 	python3 -m venv $(MODEL_VENV)
 	$(MODEL_VENV)/$(PIP) install -r model/requirements-model.txt
-	$(MODEL_VENV)/$(PIP) install --no-deps torch==2.12.1
 	touch $@
 
 $(WEB_MODULES): web/package-lock.json | tools
@@ -138,7 +137,9 @@ bench: build
 	$(TOILE) bench
 
 train: $(MODEL_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 600 --validation 60 --out data/outfits
 	cd model && ../$(MODEL_VENV)/bin/python -m train_deepsd
+	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
 
 export: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m export

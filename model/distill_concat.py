@@ -51,7 +51,9 @@ def learn(net: DeePSD, concat: ConcatenatedPsi, samples: list[Sample], bank: Bod
         optimiser.zero_grad()
         errors.append((loss / offsets.square().mean().clamp(min=1e-8)).sqrt().item())
         if len(errors) % 100 == 0:
-            print(json.dumps({"step": len(errors), "relative_error": round(float(np.mean(errors[-100:])), 4)}), flush=True)
+            print(
+                json.dumps({"step": len(errors), "relative_error": round(float(np.mean(errors[-100:])), 4)}), flush=True
+            )
     return float(np.mean(errors[-100:]))
 
 

@@ -17,13 +17,13 @@ class Fabric:
     """Constants of a light woven cloth."""
 
     density: float = 0.2  # kg/m2
-    stretch: float = 600.0  # N/m
-    stiffening: float = 4.0  # times the stretch stiffness, added beyond `limit`
+    stretch: float = 400.0  # N/m
+    stiffening: float = 1.0  # times the stretch stiffness, added beyond `limit`
     limit: float = 0.15  # strain at which woven cloth locks
     compression: float = 0.35  # share of the stretch stiffness that resists shortening
     bending: float = 3e-5  # N m
-    contact: float = 2.5e5  # J/m4, penalty of penetration
-    deep: float = 0.015  # m, depth from which the penalty grows linearly
+    contact: float = 4e5  # J/m4, penalty of penetration
+    deep: float = 0.03  # m, depth from which the penalty grows linearly
     thickness: float = 0.004  # m, distance kept from the skin
     gravity: float = 9.81  # m/s2
 

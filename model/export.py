@@ -76,7 +76,12 @@ class ExportedDynamic(nn.Module):
 
 def static_ports(sizes: Sizes) -> tuple[list[Port], list[Port]]:
     """Ports of the static pass; the tables are those of `garment.graph.OutfitGraph`."""
-    tables = {"near": ("nodes", 8), "members": ("patches", 16), "patch_near": ("patches", 8), "node_from_patch": ("nodes", 8)}
+    tables = {
+        "near": ("nodes", 8),
+        "members": ("patches", 16),
+        "patch_near": ("patches", 8),
+        "node_from_patch": ("nodes", 8),
+    }
     inputs = [Port("features", ("nodes", sizes.features), "mixed", "rest"), Port("prior", ("nodes", JOINTS), "1")]
     for name, shape in tables.items():
         inputs += [Port(name, shape, "index", dtype="int64"), Port(f"{name}_weight", shape, "1")]
@@ -126,7 +131,9 @@ def export_graph(spec: GraphSpec, folder: Path) -> Path:
     """Writes one graph and checks it against PyTorch at two sizes."""
     path = folder / f"{spec.name}.onnx"
     path.parent.mkdir(parents=True, exist_ok=True)
-    extents = {d: 40 + 7 * i for i, d in enumerate(sorted({d for p in spec.inputs for d in p.shape if isinstance(d, str)}))}
+    extents = {
+        d: 40 + 7 * i for i, d in enumerate(sorted({d for p in spec.inputs for d in p.shape if isinstance(d, str)}))
+    }
     spec.module.eval()
     axes = {p.name: {i: d for i, d in enumerate(p.shape) if isinstance(d, str)} for p in [*spec.inputs, *spec.outputs]}
     torch.onnx.export(
@@ -152,7 +159,9 @@ def check(spec: GraphSpec, path: Path, inputs: tuple[Tensor, ...]) -> None:
     for port, a, b in zip(spec.outputs, expected, got, strict=True):
         worst = float(np.abs(a.numpy() - b).max() / max(np.abs(b).max(), 1e-6))
         if worst > TOLERANCE:
-            raise SystemExit(f"{spec.method}/{spec.name}: {port.name} differs by {worst:.1e} between PyTorch and onnxruntime")
+            raise SystemExit(
+                f"{spec.method}/{spec.name}: {port.name} differs by {worst:.1e} between PyTorch and onnxruntime"
+            )
         print(f"{spec.method}/{spec.name} {port.name}: {worst:.1e} relative")
 
 

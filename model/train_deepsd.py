@@ -32,13 +32,13 @@ RUNS = Path(__file__).parent / "runs"
 class Schedule:
     """Weights that change over a run; progress runs from 0 to 1."""
 
-    prior: float = 0.3  # J/m2 per unit of divergence from the body's weights, fades to three tenths by a third of the run
+    prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
     smooth_weights: float = 2.0
     keep: float = 15.0  # N/m3, all offsets
     grip: float = 400.0  # N/m3, offsets of cloth on the skin
 
     def prior_at(self, progress: float) -> float:
-        return self.prior * max(0.3, 1 - 2 * progress)
+        return self.prior * max(0.2, 1 - 2 * progress)
 
 
 class DeePSD(nn.Module):
@@ -74,7 +74,7 @@ def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: 
     return Draped(rest, offset, posed, up, node_weights)
 
 
-def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, margin: Tensor) -> dict[str, Tensor]:
+def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> dict[str, Tensor]:
     """Clearances (P, N) to the body and (P, Q) of outer garments to inner ones."""
     surface, normals = entry.vertices[poses], entry.normals[poses]
     hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
@@ -83,7 +83,7 @@ def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses,
     if len(sample.outer):
         cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
         x = d.posed[:, sample.outer]
-        best = nearest._best(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
+        best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
         out["layer"] = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
     return out
 
@@ -131,10 +131,12 @@ def measures(d: Draped, mesh: RestMesh, clearances: dict[str, Tensor]) -> dict[s
     return out
 
 
-def run_one(net: DeePSD, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> tuple[Draped, RestMesh, dict[str, Tensor]]:
+def run_one(
+    net: DeePSD, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor
+) -> tuple[Draped, RestMesh, dict[str, Tensor]]:
     rest, mesh = carry(sample, bank, entry)
     d = drape(net, sample, rest, entry, poses, bank.parents)
-    return d, mesh, contact_terms(d, sample, bank, entry, poses, sample.distance)
+    return d, mesh, contact_terms(d, sample, bank, entry, poses)
 
 
 @torch.no_grad()
@@ -148,7 +150,9 @@ def validate(net: DeePSD, samples: list[Sample], bank: BodyBank) -> dict[str, fl
     return {k: float(np.mean([r[k] for r in rows if k in r])) for k in sorted({k for r in rows for k in r})}
 
 
-def step(net: DeePSD, samples: list[Sample], bank: BodyBank, rng: np.random.Generator, poses: int, progress: float) -> dict[str, float]:
+def step(
+    net: DeePSD, samples: list[Sample], bank: BodyBank, rng: np.random.Generator, poses: int, progress: float
+) -> dict[str, float]:
     """Gradients of one random outfit and shape, accumulated."""
     sample = samples[rng.integers(len(samples))]
     entry = bank.entries[rng.integers(len(bank.entries))]
@@ -171,8 +175,10 @@ class Settings:
     seed: int = 0
 
 
-def learn(net: DeePSD, train: OutfitPool, validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path) -> None:
-    """The training loop: Adam, cosine rate, running average of the weights, a log line and a checkpoint now and then."""
+def learn(
+    net: DeePSD, train: OutfitPool, validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path
+) -> None:
+    """The training loop: Adam, cosine rate, running average of the weights, log lines and checkpoints."""
     rng = np.random.default_rng(s.seed)
     optimiser = torch.optim.Adam(net.parameters(), lr=s.rate, betas=(0.9, 0.98))
     average = torch.optim.swa_utils.AveragedModel(net, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.998))
@@ -196,7 +202,9 @@ def learn(net: DeePSD, train: OutfitPool, validation: list[Sample], banks: tuple
 
 
 def report(history: list[dict[str, float]], count: int, progress: float, seconds: float) -> None:
-    mean = {k: round(float(np.mean([h[k] for h in history if k in h])), 4) for k in sorted({k for h in history for k in h})}
+    mean = {
+        k: round(float(np.mean([h[k] for h in history if k in h])), 4) for k in sorted({k for h in history for k in h})
+    }
     print(json.dumps({"step": count, "progress": round(progress, 3), "seconds": round(seconds), **mean}), flush=True)
 
 

@@ -51,7 +51,11 @@ class Sample:
 def prepare(path: Path) -> dict[str, np.ndarray]:
     """All tables of an outfit file as arrays (see `Sample`)."""
     raw = np.load(path)
-    v, t, garment = raw["vertices"].astype(np.float64), raw["triangles"].astype(np.int64), raw["garment"].astype(np.int64)
+    v, t, garment = (
+        raw["vertices"].astype(np.float64),
+        raw["triangles"].astype(np.int64),
+        raw["garment"].astype(np.int64),
+    )
     graph = build(v, t, garment)
     binding = bind(v, graph)
     surface = reference_surface()
@@ -93,7 +97,10 @@ def load_sample(path: Path) -> Sample:
         np.savez(part, **prepare(path))
         part.rename(kept)
     raw = np.load(kept)
-    value = {k: torch.as_tensor(raw[k].astype(np.float32) if raw[k].dtype.kind == "f" else raw[k].astype(np.int64)) for k in raw}
+    value = {
+        k: torch.as_tensor(raw[k].astype(np.float32) if raw[k].dtype.kind == "f" else raw[k].astype(np.int64))
+        for k in raw
+    }
     graph = Graph(**{name: value.pop(name) for name in Graph.__dataclass_fields__})
     return Sample(name=path.stem, tables=topology(raw["triangles"].astype(np.int64)), graph=graph,
                   **{k: v for k, v in value.items() if k != "triangles"})  # fmt: skip
@@ -186,7 +193,7 @@ def random_shape(rng: np.random.Generator, index: int) -> tuple[dict[str, float]
 
 def shape_vector(body: AnnyBody, phenotypes: dict[str, float], local: dict[str, float]) -> Tensor:
     """Network input of a shape, (26,), zero for the reference body: phenotypes less their default, doubled; changes."""
-    reference = {p: 0.5 for p in body.phenotypes} | {"age": body.meta["reference_age"]}
+    reference = dict.fromkeys(body.phenotypes, 0.5) | {"age": body.meta["reference_age"]}
     first = [2 * (phenotypes.get(p, reference[p]) - reference[p]) for p in body.phenotypes]
     return torch.tensor(first + [local.get(name, 0.0) for name in body.local_changes])
 

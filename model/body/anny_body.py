@@ -95,7 +95,7 @@ class AnnyBody:
 
     def coefficients(self, phenotypes: dict[str, float] | None = None, local: dict[str, float] | None = None) -> Array:
         """Shape coefficients (K,) of phenotypes in [0, 1] (default 0.5, age 2/3) and local changes in [-1, 1]."""
-        values = {p: 0.5 for p in self.phenotypes} | {"age": self.meta["reference_age"]} | (phenotypes or {})
+        values = dict.fromkeys(self.phenotypes, 0.5) | {"age": self.meta["reference_age"]} | (phenotypes or {})
         level: dict[str, float] = {}
         for name, anchors in ANCHORS.items():
             grid = np.linspace(FIRST_ANCHOR.get(name, 0.0), 1.0, len(anchors))

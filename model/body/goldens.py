@@ -29,7 +29,7 @@ CASES, STRIDE = 16, 37
 def random_case(rng: np.random.Generator, body: AnnyBody, case: int) -> dict:
     """A shape and a pose; the first is the reference body, the second takes every range to its ends."""
     if case == 0:
-        phenotypes = {p: 0.5 for p in body.phenotypes} | {"age": REFERENCE_AGE}
+        phenotypes = dict.fromkeys(body.phenotypes, 0.5) | {"age": REFERENCE_AGE}
         return {"phenotypes": phenotypes, "local_changes": {}, "rotations": {}}
     ends = case == 1
     phenotypes = {p: float(rng.integers(2)) if ends else round(float(rng.uniform()), 4) for p in body.phenotypes}

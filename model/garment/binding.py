@@ -102,7 +102,7 @@ def garment_joint_names() -> list[str]:
 
 
 def vertex_limbs(prior: Floats) -> Ints:
-    """Limb of each vertex from its diffused weights (N, 36): an arm above one half, a leg only when clear of the other."""
+    """Limb of each vertex from its diffused weights (N, 36): an arm above one half, a leg when clear of the other."""
     names = garment_joint_names()
     arm, leg = limb_weights(prior, names, ARM_PARTS), limb_weights(prior, names, LEG_PARTS)
     limb = np.zeros(len(prior), dtype=np.int64)
@@ -149,6 +149,4 @@ def bind(vertices: Floats, graph: OutfitGraph) -> Binding:
     prior = node_prior(graph, surface)
     vertex_prior = np.einsum("nk,nkj->nj", graph.vertex_from_node_weight, prior[graph.vertex_from_node])
     limb = vertex_limbs(vertex_prior)
-    return Binding(
-        prior, limb, collision_candidates(vertices, limb, surface), shape_binding(vertices, limb, surface)
-    )
+    return Binding(prior, limb, collision_candidates(vertices, limb, surface), shape_binding(vertices, limb, surface))

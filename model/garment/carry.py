@@ -75,7 +75,9 @@ def smoothed(field: Tensor, vertex_from_node: Tensor, weight: Tensor, near: Tens
     return (nodes[vertex_from_node] * weight[..., None]).sum(1)
 
 
-def push_out(x: Tensor, gap: Tensor, skin: tuple[Tensor, Tensor], candidates: Tensor, ring: Tensor, field: tuple[Tensor, ...]) -> Tensor:
+def push_out(
+    x: Tensor, gap: Tensor, skin: tuple[Tensor, Tensor], candidates: Tensor, ring: Tensor, field: tuple[Tensor, ...]
+) -> Tensor:
     """Vertices x (N, 3) moved to at least `gap` (N,) from the skin (vertices, normals) as a smooth field."""
     vertices, normals = skin
     for i in range(ROUNDS):

@@ -114,7 +114,9 @@ def interpolation(points: Floats, clusters: Clusters, size: float) -> tuple[Ints
     ring = coo_matrix(
         (np.ones(len(clusters.edges)), (clusters.edges[:, 0], clusters.edges[:, 1])), (len(clusters.positions),) * 2
     ).tocsr()
-    own = coo_matrix((np.ones(len(points)), (np.arange(len(points)), clusters.cluster_of)), (len(points), len(clusters.positions))).tocsr()
+    own = coo_matrix(
+        (np.ones(len(points)), (np.arange(len(points)), clusters.cluster_of)), (len(points), len(clusters.positions))
+    ).tocsr()
     reach = (own + own @ ring + own @ ring @ ring).tocoo()
     links = np.stack([reach.row, reach.col], 1).astype(np.int64)
     distance = np.linalg.norm(points[links[:, 0]] - clusters.positions[links[:, 1]], axis=1)

@@ -27,13 +27,14 @@ def nearest(x: Tensor, surface: Tensor, candidates: Tensor, ring: Tensor) -> Ten
 
     x (P, N, 3), surface (P, V, 3), candidates (N, K), ring (V, RING) -> (P, N).
     """
-    best = _best(x, surface, candidates[None].expand(x.shape[0], -1, -1))
+    best = best_of(x, surface, candidates[None].expand(x.shape[0], -1, -1))
     for _ in range(DESCENTS):
-        best = _best(x, surface, torch.cat([best[..., None], ring[best]], 2))
+        best = best_of(x, surface, torch.cat([best[..., None], ring[best]], 2))
     return best
 
 
-def _best(x: Tensor, surface: Tensor, index: Tensor) -> Tensor:
+def best_of(x: Tensor, surface: Tensor, index: Tensor) -> Tensor:
+    """The nearest of given surface vertices: x (P, N, 3), surface (P, V, 3), index (P, N, K) -> (P, N)."""
     poses = torch.arange(x.shape[0])[:, None, None]
     distance = (surface[poses, index] - x[:, :, None]).square().sum(-1)
     return index.gather(2, distance.argmin(2, keepdim=True))[..., 0]

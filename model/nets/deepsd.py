@@ -68,7 +68,9 @@ class GraphConvolution(nn.Module):
 
     def forward(self, h: Tensor, g: Graph) -> Tensor:
         pooled = gather_mean(h, g.members, g.members_weight)
-        patch = functional.relu(self.pooled(pooled) + self.around(gather_mean(pooled, g.patch_near, g.patch_near_weight)))
+        patch = functional.relu(
+            self.pooled(pooled) + self.around(gather_mean(pooled, g.patch_near, g.patch_near_weight))
+        )
         update = self.own(h) + self.near(gather_mean(h, g.near, g.near_weight))
         update = update + gather_mean(self.patch(patch), g.node_from_patch, g.node_from_patch_weight)
         return h + functional.relu(self.norm(update))

@@ -35,7 +35,8 @@ pub fn node_prior(graph: &OutfitGraph, reference: &ReferenceBody) -> Vec<Weights
         .unzip();
     let mut weights = start.clone();
     for _ in 0..PRIOR_ROUNDS {
-        let next = (0..weights.len()).map(|i| diffused(i, &weights, &start[i], hold[i], &graph.near)).collect();
+        let next =
+            (0..weights.len()).map(|i| diffused(i, &weights, &start[i], hold[i], &graph.near)).collect();
         weights = next;
     }
     for row in &mut weights {

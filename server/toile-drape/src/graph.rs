@@ -202,7 +202,8 @@ fn nearest_linked<'a>(
 /// point's own cluster and the two rings around it.
 fn interpolation(points: &[Vec3], clusters: &Clusters, size: f32) -> Links {
     let mut out = Links::with_capacity(SUPPORTS, points.len());
-    let reach: Vec<Vec<u32>> = (0..clusters.positions.len()).map(|c| two_rings(c, &clusters.touching)).collect();
+    let reach: Vec<Vec<u32>> =
+        (0..clusters.positions.len()).map(|c| two_rings(c, &clusters.touching)).collect();
     for (point, &own) in points.iter().zip(&clusters.cluster_of) {
         let mut row: Vec<(u32, f32)> = reach[own as usize]
             .iter()

@@ -199,7 +199,11 @@ fn drape_frame(
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, garment));
     let skin = Collider { vertices: &vertices, normals: &body_normals, ring: &scene.studio.reference.ring };
     let resolved = timing.time("resolve", || {
-        if scene.request.resolve { resolve(outfit, statics, &skin, &mut positions) } else { Resolved::default() }
+        if scene.request.resolve {
+            resolve(outfit, statics, &skin, &mut positions)
+        } else {
+            Resolved::default()
+        }
     });
     let normals = timing.time("normals", || vertex_normals(&positions, &outfit.triangles));
     let (strain, mut quality) = timing.time("quality", || strains(scene, &positions));
@@ -229,7 +233,8 @@ fn strains(scene: &Scene<'_>, positions: &[Vec3]) -> (Vec<f32>, Quality) {
     let max_edge_stretch = ratio.iter().copied().fold(0.0, f32::max);
     let mut size: Vec<f32> = ratio.iter().map(|r| (r - 1.0).abs()).collect();
     let at = (size.len() * 95 / 100).min(size.len().saturating_sub(1));
-    let p95_edge_strain = if size.is_empty() { 0.0 } else { *size.select_nth_unstable_by(at, f32::total_cmp).1 };
+    let p95_edge_strain =
+        if size.is_empty() { 0.0 } else { *size.select_nth_unstable_by(at, f32::total_cmp).1 };
     (sums, Quality { p95_edge_strain, max_edge_stretch, ..Quality::default() })
 }
 

@@ -44,16 +44,44 @@ pub struct Field<'a> {
 /// Share of a neighbour's push that a node without need of its own follows.
 const FOLLOW: f32 = 0.75;
 const SPREADS: usize = 3;
+/// Rounds of averaging of a smoothed field.
+const RELAXATIONS: usize = 6;
 
 impl Field<'_> {
     /// Spreads the pushes that single vertices need, (vertices,) metres, over the cloth around them.
     #[must_use]
     pub fn spread(&self, need: &[Vec3]) -> Vec<Vec3> {
-        let nodes = self.gather(need);
-        let from_nodes = |v: usize| {
-            self.vertex_from_node.row(v).map(|(n, w)| nodes[n] * w).fold(Vec3::ZERO, |sum, push| sum + push)
+        self.read(&self.gather(need), need.len())
+    }
+
+    /// A field over vertices averaged on the nodes, relaxed over their neighbours, and read back.
+    #[must_use]
+    pub fn smoothed(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let count = self.near.len();
+        let (mut sums, mut shares) = (vec![Vec3::ZERO; count], vec![0.0_f32; count]);
+        for (v, value) in values.iter().enumerate() {
+            for (node, weight) in self.vertex_from_node.row(v) {
+                sums[node] += *value * weight;
+                shares[node] += weight;
+            }
+        }
+        let mut nodes: Vec<Vec3> = sums.iter().zip(&shares).map(|(s, w)| *s / w.max(1e-12)).collect();
+        for _ in 0..RELAXATIONS {
+            let relaxed = (0..count).map(|i| {
+                let (around, linked) =
+                    self.near.row(i).fold((Vec3::ZERO, 0.0), |(s, t), (j, w)| (s + nodes[j] * w, t + w));
+                nodes[i] * (1.0 - 0.5 * linked) + around * 0.5
+            });
+            nodes = relaxed.collect();
+        }
+        self.read(&nodes, values.len())
+    }
+
+    fn read(&self, nodes: &[Vec3], vertices: usize) -> Vec<Vec3> {
+        let value = |v: usize| {
+            self.vertex_from_node.row(v).map(|(n, w)| nodes[n] * w).fold(Vec3::ZERO, |sum, x| sum + x)
         };
-        (0..need.len()).map(from_nodes).collect()
+        (0..vertices).map(value).collect()
     }
 
     /// Mean need of each node's vertices, weighted towards the largest, then passed on to its neighbours.

@@ -29,7 +29,12 @@ pub struct Resolved {
 }
 
 /// Moves world `positions` (welded order) out of the body and the layers below.
-pub fn resolve(outfit: &Outfit, statics: &StaticPass, body: &Collider<'_>, positions: &mut [Vec3]) -> Resolved {
+pub fn resolve(
+    outfit: &Outfit,
+    statics: &StaticPass,
+    body: &Collider<'_>,
+    positions: &mut [Vec3],
+) -> Resolved {
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let clearance = |v: usize, p: Vec3| body.clearance(p, statics.candidates_of(v));
     let depth_before: Vec<f32> =
@@ -58,7 +63,12 @@ fn coarse_triangles<'o>(outfit: &'o Outfit, statics: &StaticPass) -> Vec<&'o [u3
 }
 
 /// What each vertex lacks to its distance from the skin, also at the centroids of coarse triangles.
-fn skin_needs(statics: &StaticPass, body: &Collider<'_>, positions: &[Vec3], coarse: &[&[u32; 3]]) -> Vec<Vec3> {
+fn skin_needs(
+    statics: &StaticPass,
+    body: &Collider<'_>,
+    positions: &[Vec3],
+    coarse: &[&[u32; 3]],
+) -> Vec<Vec3> {
     let gap = |v: usize| statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP));
     let mut need: Vec<Vec3> = positions
         .iter()

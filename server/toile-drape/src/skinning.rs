@@ -14,7 +14,9 @@ pub fn place(placement: &Placement<'_>, frame: usize, rest: &[Vec3], transforms:
             let mut offset = of_frame.as_chunks::<3>().0.iter().map(|o| Vec3::from_array(*o));
             rest.iter()
                 .zip(joints.iter().zip(*weights))
-                .map(|(p, (j, w))| blend(transforms, j, w).transform_point3(*p + offset.next().unwrap_or_default()))
+                .map(|(p, (j, w))| {
+                    blend(transforms, j, w).transform_point3(*p + offset.next().unwrap_or_default())
+                })
                 .collect()
         }
     }

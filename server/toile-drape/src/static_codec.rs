@@ -87,7 +87,8 @@ impl StaticPass {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DrapeError> {
         let file = Stored(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
         let edges = as_rows::<u32, 2>(file.column("edges", Dtype::U32)?);
-        let rest: Vec<Vec3> = as_rows::<f32, 3>(file.floats("rest")?).into_iter().map(Vec3::from_array).collect();
+        let rest: Vec<Vec3> =
+            as_rows::<f32, 3>(file.floats("rest")?).into_iter().map(Vec3::from_array).collect();
         let both = edges.iter().flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
         let out = Self {
             clearance: file.floats("clearance")?,
@@ -112,7 +113,8 @@ impl StaticPass {
     fn checked(self) -> Result<Self, DrapeError> {
         let (n, nodes, rig) = (self.rest.len(), self.near.len(), &self.rig);
         let sizes = self.clearance.len() == n
-            && [rig.joints.len(), rig.weights.len(), rig.prior_joints.len(), rig.prior_weights.len()] == [n; 4]
+            && [rig.joints.len(), rig.weights.len(), rig.prior_joints.len(), rig.prior_weights.len()]
+                == [n; 4]
             && rig.basis.len() == 3 * BASIS * n
             && self.vertex_from_node.len() == n
             && self.shape.len() == n
@@ -125,7 +127,11 @@ impl StaticPass {
             && below(&self.layers.inner, n)
             && below(&self.vertex_from_node.index, nodes)
             && below(&self.near.index, nodes);
-        if sizes && inside { Ok(self) } else { Err(DrapeError::Stored("tables do not fit together".to_owned())) }
+        if sizes && inside {
+            Ok(self)
+        } else {
+            Err(DrapeError::Stored("tables do not fit together".to_owned()))
+        }
     }
 }
 
@@ -168,4 +174,3 @@ impl Stored<'_> {
 fn as_rows<T: Copy, const W: usize>(values: Vec<T>) -> Vec<[T; W]> {
     values.as_chunks::<W>().0.to_vec()
 }
-

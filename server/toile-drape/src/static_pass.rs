@@ -5,9 +5,7 @@ use toile_geometry::body::{Body, BodyShape};
 use toile_geometry::mesh::{Adjacency, edges};
 use toile_geometry::normals::vertex_normals;
 
-use crate::binding::{
-    CANDIDATES, Weights, collision_candidates, node_prior, shape_binding, vertex_weights,
-};
+use crate::binding::{CANDIDATES, Weights, collision_candidates, node_prior, shape_binding, vertex_weights};
 use crate::error::DrapeError;
 use crate::features::node_features;
 use crate::fitted::FittedShapes;
@@ -187,4 +185,3 @@ fn largest(row: &Weights) -> ([u8; INFLUENCES], [f32; INFLUENCES]) {
     let total: f32 = weights.iter().sum();
     (joints, weights.map(|w| if total > 0.0 { w / total } else { 0.25 }))
 }
-

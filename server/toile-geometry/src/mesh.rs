@@ -51,6 +51,7 @@ impl Adjacency {
 
     /// The neighbours of vertex `v`; empty when there is no such vertex.
     #[must_use]
+    #[inline]
     pub fn of(&self, v: usize) -> &[u32] {
         match (self.starts.get(v), self.starts.get(v + 1)) {
             (Some(&a), Some(&b)) => self.neighbours.get(a as usize..b as usize).unwrap_or(&[]),

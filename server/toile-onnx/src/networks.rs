@@ -190,7 +190,8 @@ impl Networks for OnnxNetworks {
             .outputs
             .iter()
             .map(|port| {
-                let value = outputs.get(&port.name).ok_or_else(|| failed(format!("no output {}", port.name)))?;
+                let value =
+                    outputs.get(&port.name).ok_or_else(|| failed(format!("no output {}", port.name)))?;
                 let (shape, values) = value.try_extract_tensor::<f32>().map_err(|e| failed(e.to_string()))?;
                 let shape = shape.iter().map(|&d| usize::try_from(d).unwrap_or(0)).collect();
                 Ok(Tensor { shape, values: values.to_vec() })
@@ -222,7 +223,12 @@ fn check_inputs(graph: &Graph, inputs: &[(&str, TensorRef<'_>)]) -> Result<(), S
             TensorRef::I64(shape, _) => (*shape, "int64"),
         };
         if port.name != *name || port.dtype != dtype || port.shape.len() != shape.len() {
-            return Err(format!("input {name} is not {} {} of rank {}", port.dtype, port.name, port.shape.len()));
+            return Err(format!(
+                "input {name} is not {} {} of rank {}",
+                port.dtype,
+                port.name,
+                port.shape.len()
+            ));
         }
         for (extent, &found) in port.shape.iter().zip(shape) {
             let expected = match extent {

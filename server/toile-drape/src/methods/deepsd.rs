@@ -60,9 +60,11 @@ pub fn static_pass(
 ) -> Result<Rig, DrapeError> {
     let nodes = prior.len();
     let [weights, basis, descriptors] = run_static(graph, features, prior, networks)?;
-    let rows: Vec<Weights> = weights.values.chunks_exact(GARMENT_JOINTS).filter_map(|r| r.try_into().ok()).collect();
+    let rows: Vec<Weights> =
+        weights.values.chunks_exact(GARMENT_JOINTS).filter_map(|r| r.try_into().ok()).collect();
     if rows.len() != nodes || basis.values.len() != nodes * 3 * BASIS {
-        let (expected, found) = (nodes * (GARMENT_JOINTS + 3 * BASIS), weights.values.len() + basis.values.len());
+        let (expected, found) =
+            (nodes * (GARMENT_JOINTS + 3 * BASIS), weights.values.len() + basis.values.len());
         return Err(DrapeError::Answer { graph: "deepsd/static", expected, found });
     }
     let (joints, weights) = largest_influences(&vertex_weights(&rows, &graph.vertex_from_node));
@@ -148,11 +150,8 @@ pub fn pose_features(transforms: &[Affine3A], parents: &[Option<usize>]) -> Vec<
         let rotation = transform.matrix3;
         let parent = parents.get(joint).copied().flatten().and_then(|p| transforms.get(p));
         let local = parent.map_or(rotation, |p| p.matrix3.transpose() * rotation);
-        let change = Mat3A::from_cols(
-            local.x_axis - Vec3A::X,
-            local.y_axis - Vec3A::Y,
-            local.z_axis - Vec3A::Z,
-        );
+        let change =
+            Mat3A::from_cols(local.x_axis - Vec3A::X, local.y_axis - Vec3A::Y, local.z_axis - Vec3A::Z);
         out.extend(change.transpose().to_cols_array());
         out.extend((rotation.transpose() * Vec3A::NEG_Y - Vec3A::NEG_Y).to_array());
     }

@@ -1,0 +1,96 @@
+"""Energies against slow references in float64, and their gradients against finite differences."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+import energies
+from energies import Fabric, RestMesh
+from garment.rest_mesh import rest_mesh, topology
+
+FABRIC = Fabric()
+
+
+@pytest.fixture
+def cloth(rng: np.random.Generator) -> tuple[RestMesh, Tensor, np.ndarray]:
+    """A crumpled 3 x 3 grid: rest tables, two deformed poses, triangles; float64."""
+    torch.set_default_dtype(torch.float64)
+    grid = np.array([[i * 0.02, j * 0.02, 0.0] for j in range(3) for i in range(3)])
+    quads = [(r * 3 + c, r * 3 + c + 1, r * 3 + c + 4, r * 3 + c + 3) for r in range(2) for c in range(2)]
+    triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+    rest = torch.as_tensor(grid + rng.normal(0, 0.002, grid.shape))
+    posed = rest[None] + torch.as_tensor(rng.normal(0, 0.004, (2, 9, 3)))
+    yield rest_mesh(rest, topology(triangles)), posed, triangles
+    torch.set_default_dtype(torch.float32)
+
+
+def slow_stretch(mesh: RestMesh, posed: Tensor) -> float:
+    total = 0.0
+    for pose in posed.numpy():
+        for (a, b), rest, area in zip(mesh.edges.numpy(), mesh.length.numpy(), mesh.edge_area.numpy(), strict=True):
+            strain = float(np.linalg.norm(pose[a] - pose[b])) / rest - 1
+            k = FABRIC.stretch * (1 if strain > 0 else FABRIC.compression)
+            over = max(abs(strain) - FABRIC.limit, 0)
+            total += 0.5 * (k * strain**2 + FABRIC.stiffening * FABRIC.stretch * over**2) * area
+    return total / len(posed) / float(mesh.area.sum())
+
+
+def slow_dihedral(p: np.ndarray, hinge: np.ndarray) -> float:
+    a, b, c, d = (p[i] for i in hinge)
+    left, right = np.cross(b - a, c - a), np.cross(d - a, b - a)
+    cosine = left @ right / np.linalg.norm(left) / np.linalg.norm(right)
+    return math.copysign(math.acos(np.clip(cosine, -1, 1)), np.cross(left, right) @ (b - a))
+
+
+def test_stretch_is_the_sum_over_edges(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    mesh, posed, _ = cloth
+    assert energies.stretch(posed, mesh, FABRIC).item() == pytest.approx(slow_stretch(mesh, posed), rel=1e-6)
+
+
+def test_dihedral_agrees_with_the_angle_between_face_normals(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    mesh, posed, _ = cloth
+    expected = [[slow_dihedral(p, h) for h in mesh.hinges.numpy()] for p in posed.numpy()]
+    np.testing.assert_allclose(energies.dihedral(posed, mesh.hinges).numpy(), expected, atol=1e-6)
+
+
+def test_a_rest_pose_costs_nothing(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    _, posed, triangles = cloth
+    rest = posed[:1]
+    own = rest_mesh(rest[0], topology(triangles))
+    assert energies.stretch(rest, own, FABRIC).item() < 1e-9
+    assert energies.bending(rest, own, FABRIC).item() < 1e-12
+
+
+def test_contact_is_quadratic_near_and_linear_deep() -> None:
+    area, margin = torch.ones(1), torch.tensor([0.004])
+    cost = lambda d: energies.contact(torch.tensor([[d]]), margin, area, FABRIC).item()  # noqa: E731
+    assert cost(0.005) == 0
+    assert cost(0.002) == pytest.approx(FABRIC.contact * 0.002**2, rel=1e-4)
+    deep = [cost(-0.02), cost(-0.03), cost(-0.04)]
+    assert deep[2] - deep[1] == pytest.approx(deep[1] - deep[0], rel=1e-3)
+
+
+def test_gravity_does_nothing_where_skinning_does_not_turn_the_cloth() -> None:
+    x, area = torch.randn(2, 5, 3), torch.ones(5)
+    up = torch.tensor([0.0, 1.0, 0.0]).expand(2, 5, 3)
+    assert energies.weight_change(x, up, area, FABRIC).abs().item() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["stretch", "bending"])
+def test_gradients_agree_with_finite_differences(name: str, cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    mesh, posed, _ = cloth
+    x = posed.clone().requires_grad_()
+    energy = lambda v: getattr(energies, name)(v, mesh, FABRIC)  # noqa: E731
+    assert torch.autograd.gradcheck(energy, x, eps=1e-7, atol=1e-3, rtol=1e-3)
+
+
+def test_contact_gradient_agrees_with_finite_differences(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    mesh, _, _ = cloth
+    distance = torch.linspace(-0.03, 0.0037, 9)[None].requires_grad_()
+    energy = lambda d: energies.contact(d, torch.full((9,), 0.004), mesh.area, FABRIC)  # noqa: E731
+    assert torch.autograd.gradcheck(energy, distance, eps=1e-8, atol=1e-2, rtol=1e-3)
