@@ -1,13 +1,15 @@
 //! JSON in: strict, bounded, and precise about what is wrong where.
 
+use std::error::Error;
+
 use axum::body::Bytes;
 use axum::extract::{FromRequest, FromRequestParts, Query, Request};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
-use axum::response::IntoResponse;
 use serde::de::DeserializeOwned;
 use serde_json::error::Category;
 use serde_path_to_error::{Path, Segment};
+use tower_http::timeout::TimeoutError;
 
 use crate::errors::{ApiError, Code};
 
@@ -22,7 +24,8 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for JsonBody<T> {
             return Err(ApiError::new(Code::UnsupportedMediaType, "Send the body as application/json."));
         }
         let bytes = Bytes::from_request(request, state).await.map_err(|rejection| {
-            body_error(rejection.into_response().status(), "The request body could not be read.")
+            let otherwise = ApiError::new(Code::InvalidJson, "The request body breaks off.");
+            body_error(&rejection, rejection.status(), otherwise)
         })?;
         parse(&bytes).map(Self)
     }
@@ -64,14 +67,18 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, ApiError> {
     Ok(value)
 }
 
-/// What to answer when a request body breaks off, comes too slowly or is too long.
-pub fn body_error(status: StatusCode, otherwise: &str) -> ApiError {
+/// What to answer when a request body cannot be read to its end.
+pub fn body_error(error: &(dyn Error + 'static), status: StatusCode, otherwise: ApiError) -> ApiError {
+    let mut cause = Some(error);
+    while let Some(found) = cause {
+        if found.is::<TimeoutError>() {
+            return ApiError::new(Code::RequestTimeout, "The request body came too slowly.");
+        }
+        cause = found.source();
+    }
     match status {
         StatusCode::PAYLOAD_TOO_LARGE => ApiError::new(Code::TooLarge, "The request body is too large."),
-        StatusCode::REQUEST_TIMEOUT => {
-            ApiError::new(Code::RequestTimeout, "The request body came too slowly.")
-        }
-        _ => ApiError::new(Code::InvalidJson, otherwise),
+        _ => otherwise,
     }
 }
 

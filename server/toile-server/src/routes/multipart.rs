@@ -2,11 +2,10 @@
 
 use axum::extract::multipart::{Field, MultipartError, MultipartRejection};
 use axum::extract::{FromRequest, Multipart, Request};
-use axum::http::StatusCode;
 use bytes::{Bytes, BytesMut};
 
 use crate::errors::{ApiError, Code};
-use crate::json::parse;
+use crate::json::{body_error, parse};
 use crate::upload::{Metadata, Upload};
 
 /// A file and what is stated about it.
@@ -72,10 +71,6 @@ fn not_multipart(rejection: MultipartRejection) -> ApiError {
 }
 
 fn broken(error: MultipartError) -> ApiError {
-    match error.status() {
-        StatusCode::PAYLOAD_TOO_LARGE => {
-            ApiError::new(Code::TooLarge, "The upload is larger than 64 MiB.").at("/file")
-        }
-        _ => ApiError::new(Code::InvalidMultipart, format!("The form breaks off or is malformed: {error}.")),
-    }
+    let detail = format!("The form breaks off or is malformed: {error}.");
+    body_error(&error, error.status(), ApiError::new(Code::InvalidMultipart, detail))
 }
