@@ -112,6 +112,16 @@ def sleeve_end(body: BodyFields, length: float) -> Field:
     return field
 
 
+def armhole_seam(body: BodyFields) -> Field:
+    """Positive on the sleeve's side of the seam that joins it to the trunk."""
+
+    def field(p: Array) -> Array:
+        along, _ = arm_coordinates(p, body.arm)
+        return smooth_min(along - 0.015, arm_side(p) - 0.006, 0.05)
+
+    return field
+
+
 def armhole(inset: float, depth: float) -> Field:
     """Positive off the shoulder of a sleeveless garment; `inset` narrows the strap, `depth` lowers the hole."""
 

@@ -24,7 +24,7 @@ def write_demo(demo: Demo, out: Path) -> dict:
     model = AnnyBody.load()
     pieces = [replace(p, wrinkle=WRINKLE) if isinstance(p, Pattern) else p for p, _ in demo.pieces]
     cloths = [(demo.density, "isotropic")] * len(pieces)
-    garments = assemble(pieces, body_fields(model, model.shape()), cloths)
+    garments = assemble(pieces, body_fields(model, model.shape()), cloths, seamed=True)
     for garment, (_, fabric) in zip(garments, demo.pieces, strict=True):
         garment.material["fabric"] = fabric
     file = demo.name.lower().replace(",", "").replace(" ", "-") + ".glb"

@@ -38,8 +38,13 @@ def generate(
     return OutfitMesh(family, seed, assemble(worn, fields, [(density, str(s)) for s in styles]))
 
 
-def assemble(worn: list[Pattern | Trimming], fields: BodyFields, cloths: list[tuple[int, str]]) -> list[GarmentMesh]:
-    """Sew from the inside out; `cloths` gives (vertices per square metre, triangulation) for each piece."""
+def assemble(
+    worn: list[Pattern | Trimming], fields: BodyFields, cloths: list[tuple[int, str]], seamed: bool = False
+) -> list[GarmentMesh]:
+    """Sew from the inside out; `cloths` gives (vertices per square metre, triangulation) for each piece.
+
+    With `seamed`, mesh edges follow the armholes.
+    """
     shapes: list[Shape] = []
     garments: list[GarmentMesh] = []
     for item, (density, style) in zip(worn, cloths, strict=True):
@@ -51,7 +56,7 @@ def assemble(worn: list[Pattern | Trimming], fields: BodyFields, cloths: list[tu
             density, style = max(2 * density, TRIMMING_DENSITY), "isotropic"
         else:
             shapes.append(shape(item, fields, shapes[:]))
-        garments.append(sew(shapes[-1], fields, garments, Cloth(density, style)))
+        garments.append(sew(shapes[-1], fields, garments, Cloth(density, style, seamed)))
         unwrap(garments[-1], shapes[-1].pattern, fields)
     return garments
 

@@ -60,6 +60,7 @@ class Shape:
     surface: Surface
     low: Array
     high: Array
+    seam: Field | None = None  # zero where the sleeve meets the trunk
 
     def solid(self, gap: float) -> Field:
         """Volume that an outer layer must keep out of: the worn part of this garment, grown by `gap`."""
@@ -89,7 +90,8 @@ def shape(pattern: Pattern, body: BodyFields, inner: list[Shape], gap: float = 0
             out = fl.smooth_min(out, solid(p), 0.008)
         return out
 
-    return Shape(pattern, Surface(f, _trims(pattern, body)), *_box(pattern))
+    seam = None if pattern.sleeve is None else fl.armhole_seam(body)
+    return Shape(pattern, Surface(f, _trims(pattern, body)), *_box(pattern), seam)
 
 
 def _trunk(pattern: Pattern, body: BodyFields) -> Field:

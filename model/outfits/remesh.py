@@ -201,10 +201,11 @@ def _spoiled(vertices: Array, triangles: Index, edges: Index, plan: tuple[Array,
     return bad
 
 
-def flip_to_delaunay(vertices: Array, triangles: Index, below: float = 180.0) -> Index:
+def flip_to_delaunay(vertices: Array, triangles: Index, below: float = 180.0, keep: Array | None = None) -> Index:
     """Flip an independent set of interior edges whose opposite angles sum to more than 180 degrees.
 
-    Only edges of triangles with an angle under `below` degrees are considered.
+    Only edges of triangles with an angle under `below` degrees are considered; edges between two vertices of the
+    mask `keep` (N,) stay.
     """
     edges, sides, uses = edges_of(triangles)
     angles = corner_angles(vertices, triangles)
@@ -213,7 +214,8 @@ def flip_to_delaunay(vertices: Array, triangles: Index, below: float = 180.0) ->
     order = np.argsort(flat, kind="stable")
     starts = np.searchsorted(flat[order], np.arange(len(edges)))
     thin = np.bincount(sides.ravel(), (angles.min(1) < below).repeat(3), len(edges)) > 0
-    rows = np.flatnonzero((uses == 2) & (total > 181) & thin)
+    free = thin if keep is None else thin & ~keep[edges].all(1)
+    rows = np.flatnonzero((uses == 2) & (total > 181) & free)
     if len(rows) == 0:
         return triangles
     first, second = order[starts[rows]], order[starts[rows] + 1]

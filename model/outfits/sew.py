@@ -12,6 +12,7 @@ from .marching import COARSE, level_set, trim
 from .mesh import Array, GarmentMesh, Index, largest_component, vertex_normals
 from .pattern import Shape
 from .remesh import Surface, flip_to_delaunay, kites, relax, remesh, subdivide
+from .seams import align
 
 TRIANGULATIONS = ("isotropic", "subdivided", "kites", "kites_alternating")
 FACTOR = {"isotropic": 1.0, "subdivided": 5.5, "kites": 9.0, "kites_alternating": 9.0}
@@ -24,6 +25,7 @@ class Cloth:
 
     density: int  # vertices per square metre
     triangulation: str = "isotropic"
+    seamed: bool = False  # mesh edges follow the armhole
 
 
 def sew(shape: Shape, body: BodyFields, worn: list[GarmentMesh], cloth: Cloth) -> GarmentMesh:
@@ -32,6 +34,8 @@ def sew(shape: Shape, body: BodyFields, worn: list[GarmentMesh], cloth: Cloth) -
     edge = min(float(np.sqrt(FACTOR[cloth.triangulation] / (0.80 * cloth.density))), 0.055)
     vertices, triangles = _cut_out(shape, float(np.clip(1.15 * edge, 0.006, 0.026)))
     vertices, triangles = remesh(vertices, triangles, shape.surface, edge)
+    if cloth.seamed and shape.seam is not None:
+        vertices, triangles = align(vertices, triangles, shape.surface, shape.seam)
     vertices, triangles = retriangulate(vertices, triangles, shape.surface, cloth.triangulation)
     vertices = keep_clear(vertices, triangles, body, shape.pattern.skin, worn)
     return GarmentMesh(shape.pattern.name, shape.pattern.kind, len(worn), vertices, triangles)

@@ -31,8 +31,7 @@ def unwrap(garment: GarmentMesh, pattern: Pattern, body: BodyFields) -> None:
 def _charts(centroids: Array, pattern: Pattern, body: BodyFields) -> Index:
     chart = np.where(centroids[:, 2] > _centre(body.trunk, centroids[:, 1])[:, 1], FRONT, BACK)
     if pattern.sleeve is not None:
-        along, _ = arm_coordinates(centroids, body.arm)
-        on_arm = (along > 0.02) & (fl.arm_side(centroids) > 0.01) & (centroids[:, 1] > 0.9)
+        on_arm = (fl.armhole_seam(body)(centroids) > 0) & (centroids[:, 1] > 0.9)
         chart[on_arm] = np.where(centroids[on_arm, 0] > 0, SLEEVE_LEFT, SLEEVE_RIGHT)
     if pattern.thigh is not None:
         on_leg = centroids[:, 1] < fl.CROTCH - pattern.rise
