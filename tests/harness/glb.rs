@@ -73,18 +73,25 @@ impl Glb {
             Some("VEC2") => 2,
             _ => 3,
         };
-        let count = described["count"].as_u64().expect("a count") as usize * width;
-        let bytes = self.view(accessor).chunks_exact(4).take(count);
-        bytes.map(|b| f32::from_le_bytes(b.try_into().expect("four bytes"))).collect()
+        let count = described["count"].as_u64().expect("a count") as usize;
+        let stride = self.stride(described).unwrap_or(4 * width);
+        let elements = self.view(accessor).chunks(stride).take(count);
+        let values = elements.flat_map(|element| element[..4 * width].chunks_exact(4));
+        values.map(|b| f32::from_le_bytes(b.try_into().expect("four bytes"))).collect()
+    }
+
+    fn stride(&self, accessor: &Value) -> Option<usize> {
+        let view = &self.json["bufferViews"][accessor["bufferView"].as_u64()? as usize];
+        view["byteStride"].as_u64().map(|stride| stride as usize)
     }
 
     fn view(&self, accessor: u64) -> &[u8] {
         let described = &self.json["accessors"][accessor as usize];
         let view = &self.json["bufferViews"][described["bufferView"].as_u64().expect("a view") as usize];
-        assert!(view.get("byteStride").is_none_or(Value::is_null), "interleaved");
         let offset = |value: &Value| value["byteOffset"].as_u64().unwrap_or(0) as usize;
-        let (start, inner) = (offset(view), offset(described));
-        &self.binary[start + inner..start + view["byteLength"].as_u64().expect("a length") as usize]
+        let start = offset(view);
+        &self.binary
+            [start + offset(described)..start + view["byteLength"].as_u64().expect("a length") as usize]
     }
 }
 

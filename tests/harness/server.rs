@@ -65,7 +65,10 @@ impl ServerOptions {
         let log = folder.path().join("log");
         let data = self.data.clone().unwrap_or_else(|| folder.path().join("data"));
         let mut command = Command::new(binary::path());
-        command.args(["serve", "--listen", "127.0.0.1:0", "--workers", "2", "--data"]).arg(&data);
+        command.args(["serve", "--listen", "127.0.0.1:0", "--data"]).arg(&data);
+        if !self.arguments.iter().any(|argument| argument == "--workers") {
+            command.args(["--workers", "2"]);
+        }
         if !self.gallery {
             command.arg("--no-gallery");
         }

@@ -51,13 +51,14 @@ impl BodyRequest {
     /// # Errors
     /// When a name is not known, a value is out of range or no body has the measurements.
     pub fn shape(&self, assets: &Assets) -> Result<BodyShape, ApiError> {
-        match self.kind {
-            BodyKind::Phenotypes => Ok(BodyShape::from_values(assets.body(), &self.values)?),
-            BodyKind::Measurements => {
-                Ok(crate::measurements::solve(assets, &self.values, &BTreeMap::new())?.shape)
+        let shape = match self.kind {
+            BodyKind::Phenotypes => {
+                BodyShape::from_values(assets.body(), &self.values).map_err(ApiError::from)
             }
-        }
-        .map_err(|error: ApiError| error.under("/values"))
+            BodyKind::Measurements => crate::measurements::solve(assets, &self.values, &BTreeMap::new())
+                .map(|solution| solution.shape),
+        };
+        shape.map_err(|error| error.under("/values"))
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use axum::http::{HeaderName, HeaderValue};
 use axum::response::{IntoResponseParts, ResponseParts};
+use serde::{Serialize, Serializer};
 
 /// Name of the header.
 pub const HEADER: HeaderName = HeaderName::from_static("server-timing");
@@ -48,6 +49,14 @@ impl ServerTiming {
 /// Milliseconds since `started`.
 pub fn milliseconds_since(started: Instant) -> f64 {
     started.elapsed().as_secs_f64() * 1e3
+}
+
+/// As JSON: names and milliseconds.
+impl Serialize for ServerTiming {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer
+            .collect_map(self.stages().map(|(name, milliseconds)| (name, (milliseconds * 1e3).round() / 1e3)))
+    }
 }
 
 impl IntoResponseParts for ServerTiming {

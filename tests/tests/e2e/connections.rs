@@ -86,3 +86,24 @@ fn a_server_told_to_stop_finishes_what_it_began_and_refuses_the_rest() {
     assert_eq!(server.wait(), 0, "{}", server.log());
     assert!(server.log().contains("stopped"), "{}", server.log());
 }
+
+#[test]
+fn a_request_that_arrives_while_the_server_stops_is_told_to_go_elsewhere() {
+    let server = Server::start();
+    let mut stream = server.connect();
+    stream.write_all(b"GET /v1/poses HTTP/1.1\r\nHost: toile\r\n").unwrap();
+    std::thread::sleep(Duration::from_millis(200));
+    server.terminate();
+    let address = server.url.trim_start_matches("http://");
+    while TcpStream::connect(address).is_ok() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    stream.write_all(b"\r\n").unwrap();
+    let answer = read_to_end(stream);
+    assert!(answer.starts_with("HTTP/1.1 503"), "{answer}");
+    assert!(
+        answer.contains("\"code\":\"stopping\"") && answer.to_lowercase().contains("retry-after"),
+        "{answer}"
+    );
+    assert_eq!(server.wait(), 0, "{}", server.log());
+}

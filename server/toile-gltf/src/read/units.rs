@@ -121,6 +121,8 @@ const REACH_BELOW: f32 = 0.15;
 const REACH_ASIDE: f32 = 0.6;
 /// Smallest and largest plausible extent of an outfit, metres.
 const EXTENT: std::ops::RangeInclusive<f32> = 0.05..=3.0;
+/// A reading of the file that makes it so many times smaller than another is not meant.
+const TOY_SCALE: f32 = 5.0;
 
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
@@ -180,8 +182,11 @@ fn choose(bounds: Bounds, hints: &Hints, notes: &mut Vec<String>) -> Result<(Uni
         .filter(|unit| hints.units.is_none_or(|stated| stated == *unit))
         .flat_map(|unit| Up::ALL.map(|up| (unit, up)))
         .filter(|(_, up)| hints.up.is_none_or(|stated| stated == *up));
-    let worn: Vec<(Units, Up)> =
+    let mut worn: Vec<(Units, Up)> =
         candidates.filter(|&(units, up)| bounds.mapped(units, up).is_worn()).collect();
+    // A skirt in centimetres is not a toy one in millimetres at the ankles.
+    let largest = worn.iter().map(|(units, _)| units.in_metres()).fold(0.0, f32::max);
+    worn.retain(|(units, _)| units.in_metres() * TOY_SCALE > largest);
     let usual = (hints.units.unwrap_or(Units::Metres), hints.up.unwrap_or(Up::Y));
     match worn.as_slice() {
         // glTF is in metres and Y up: where that fits, it is what the file means.

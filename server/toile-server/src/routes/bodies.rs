@@ -6,11 +6,10 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use toile_geometry::body::BodyShape;
-use toile_geometry::measurements::Solution;
+use toile_geometry::measurements::{MeasurementInfo, Solution};
 use toile_gltf::write_body;
 
 use super::App;
@@ -31,26 +30,61 @@ const PHENOTYPES: [(&str, &str, &str, &str); 6] = [
     ("proportions", "Proportions", "ideal", "uncommon"),
 ];
 
+/// A parameter of the body and its range.
+#[derive(Serialize)]
+struct Parameter<'a> {
+    name: &'a str,
+    min: f32,
+    max: f32,
+    default: f32,
+    #[serde(flatten)]
+    words: Option<Words<'a>>,
+}
+
+/// A parameter for people.
+#[derive(Serialize)]
+struct Words<'a> {
+    label: &'a str,
+    low: &'a str,
+    high: &'a str,
+}
+
+#[derive(Serialize)]
+struct Joint<'a> {
+    name: &'a str,
+    parent: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct ParameterList<'a> {
+    phenotypes: Vec<Parameter<'a>>,
+    local_changes: Vec<Parameter<'a>>,
+    measurements: &'a [MeasurementInfo],
+    joints: Vec<Joint<'a>>,
+    vertices: usize,
+    triangles: usize,
+}
+
 /// `GET /v1/body`
-pub async fn parameters(State(app): State<App>) -> Json<Value> {
+pub async fn parameters(State(app): State<App>) -> Response {
     let (body, reference) = (app.service.assets.body(), BodyShape::default());
     let phenotypes = body.phenotype_names().iter().zip(reference.phenotypes).map(|(name, default)| {
-        let known = PHENOTYPES.into_iter().find(|known| known.0 == name);
-        let (_, label, low, high) = known.unwrap_or((name, name, "", ""));
-        json!({"name": name, "label": label, "min": 0.0, "max": 1.0, "default": default, "low": low, "high": high})
+        let known = PHENOTYPES.iter().find(|known| known.0 == name);
+        let words = known.map(|&(_, label, low, high)| Words { label, low, high });
+        Parameter { name, min: 0.0, max: 1.0, default, words }
     });
     let local_changes = body.local_change_names().iter();
     let local_changes =
-        local_changes.map(|name| json!({"name": name, "min": -1.0, "max": 1.0, "default": 0.0}));
-    let joints = body.humanoid_joints().map(|(name, parent)| json!({"name": name, "parent": parent}));
-    Json(json!({
-        "phenotypes": phenotypes.collect::<Vec<_>>(),
-        "local_changes": local_changes.collect::<Vec<_>>(),
-        "measurements": body.measurements(),
-        "joints": joints.collect::<Vec<_>>(),
-        "vertices": body.vertex_count(),
-        "triangles": body.triangles().len(),
-    }))
+        local_changes.map(|name| Parameter { name, min: -1.0, max: 1.0, default: 0.0, words: None });
+    Json(ParameterList {
+        phenotypes: phenotypes.collect(),
+        local_changes: local_changes.collect(),
+        measurements: body.measurements(),
+        joints: body.humanoid_joints().map(|(name, parent)| Joint { name, parent }).collect(),
+        vertices: body.vertex_count(),
+        triangles: body.triangles().len(),
+    })
+    .into_response()
 }
 
 /// `GET /v1/body/reference.glb`

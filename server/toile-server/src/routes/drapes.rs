@@ -7,8 +7,9 @@ use axum::Json;
 use axum::extract::{FromRequest, Path, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 use toile_drape::network::Networks;
+use toile_drape::pipeline::Quality;
 
 use super::App;
 use super::answer::{Etag, GLB, IMMUTABLE};
@@ -50,7 +51,7 @@ pub async fn drape(State(app): State<App>, request: Request) -> Result<Response,
     };
     let (draped, timing, body) = app.service.workers.run(work).await??;
     match body {
-        Some(body) => json_answer(&app, draped, timing, &body, &method).await,
+        Some(body) => json_answer(&app, draped, timing, body, method).await,
         None => binary_answer(draped, timing),
     }
 }
@@ -62,27 +63,29 @@ fn binary_answer(draped: Draped, timing: ServerTiming) -> Result<Response, ApiEr
     Ok((timing, headers, draped.glb).into_response())
 }
 
+/// The answer for those who want JSON.
+#[derive(Serialize)]
+struct DrapeView {
+    url: String,
+    bytes: usize,
+    method: String,
+    body: BodyView,
+    quality: Quality,
+    timing: ServerTiming,
+}
+
 async fn json_answer(
     app: &App,
     draped: Draped,
     timing: ServerTiming,
-    body: &BodyView,
-    method: &str,
+    body: BodyView,
+    method: String,
 ) -> Result<Response, ApiError> {
     let bytes = draped.glb.len();
     let id = app.service.answers.keep(draped.glb).await;
-    let rounded = |milliseconds: f64| json!((milliseconds * 1e3).round() / 1e3);
-    let stages: Map<String, Value> =
-        timing.stages().map(|(name, ms)| (name.to_owned(), rounded(ms))).collect();
-    let answer = json!({
-        "url": format!("/v1/drapes/{id}/drape.glb"),
-        "bytes": bytes,
-        "method": method,
-        "body": body,
-        "quality": draped.quality,
-        "timing": stages,
-    });
-    Ok((timing, Json(answer)).into_response())
+    let url = format!("/v1/drapes/{id}/drape.glb");
+    let view = DrapeView { url, bytes, method, body, quality: draped.quality, timing: timing.clone() };
+    Ok((timing, Json(view)).into_response())
 }
 
 /// `GET /v1/drapes/{id}/drape.glb`

@@ -75,6 +75,8 @@ pub fn router(app: App, web: Option<&Path>, body_read: Duration) -> Router {
         .route("/v1/motions", get(poses::motions))
         .route("/v1/drapes", post(drapes::drape))
         .route("/v1/drapes/{id}/drape.glb", get(drapes::kept))
+        .route("/v1", axum::routing::any(nothing_here))
+        .route("/v1/", axum::routing::any(nothing_here))
         .route("/v1/{*rest}", axum::routing::any(nothing_here))
         .layer(DefaultBodyLimit::max(MAX_JSON_BYTES))
         .layer(from_fn_with_state(app.lifecycle.clone(), refuse_when_stopping));
