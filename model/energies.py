@@ -85,13 +85,15 @@ def contact(distance: Tensor, margin: Tensor, area: Tensor, fabric: Fabric) -> T
     return (fabric.contact * near * (2 * depth - near) * area).sum(1).mean() / area.sum()
 
 
-def weight_change(x: Tensor, up: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
-    """Potential of gravity beyond what the rest pose already hangs in.
+def weight_change(x: Tensor, up: Tensor, borne: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
+    """Potential of gravity beyond what the rest pose already bears.
 
-    up (P, N, 3): where skinning turns each vertex's rest +Y. A rest pose is drawn hanging, so gravity acts
-    only as far as its direction changes in the cloth's own frame: an upright shirt does not sag further.
+    up (P, N, 3): where skinning turns each vertex's rest +Y; borne (N,): share of its weight that the skin
+    under it carries at rest. Cloth on the body is drawn lying there, so gravity acts on it only as far as its
+    direction changes in the cloth's own frame: an upright shirt does not sag further. Cloth that hangs
+    free feels it whole.
     """
-    load = torch.tensor([0.0, 1.0, 0.0]) - up
+    load = torch.tensor([0.0, 1.0, 0.0]) - borne[:, None] * up
     return (fabric.density * fabric.gravity * (load * x).sum(-1) * area).sum(1).mean() / area.sum()
 
 

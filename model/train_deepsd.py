@@ -34,7 +34,8 @@ class Schedule:
 
     prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
     smooth_weights: float = 2.0
-    keep: float = 15.0  # N/m3, all offsets
+    keep: float = 15.0  # N/m3, offsets of cloth on the body; a tenth where it hangs free
+    hang: float = 0.03  # m from the skin where cloth begins to hang
     grip: float = 400.0  # N/m3, offsets of cloth on the skin
 
     def prior_at(self, progress: float) -> float:
@@ -94,7 +95,9 @@ def losses(
     """Every energy of a step, J/m2 (means over poses)."""
     fabric = Fabric()
     margin = torch.minimum(torch.full_like(sample.distance, fabric.thickness), sample.distance.clamp(min=0.001))
-    grip = schedule.keep + schedule.grip * torch.exp(-sample.distance.clamp(min=0) / 0.008)
+    distance = sample.distance.clamp(min=0)
+    borne = torch.exp(-distance / schedule.hang)
+    grip = schedule.keep * (0.1 + borne) + schedule.grip * torch.exp(-distance / 0.008)
     prior, edges = sample.prior.clamp(min=1e-4), sample.graph.near
     divergence = (d.node_weights * (d.node_weights.clamp(min=1e-6).log() - prior.log())).sum(1).mean()
     rough = ((d.node_weights[edges] - d.node_weights[:, None]).square().sum(2) * (sample.graph.near_weight > 0)).mean()
@@ -102,7 +105,7 @@ def losses(
         "stretch": energies.stretch(d.posed, mesh, fabric),
         "bend": energies.bending(d.posed, mesh, fabric),
         "contact": energies.contact(clearances["body"], margin, mesh.area, fabric),
-        "gravity": energies.weight_change(d.posed, d.up, mesh.area, fabric),
+        "gravity": energies.weight_change(d.posed, d.up, borne, mesh.area, fabric),
         "hold": energies.hold(d.offset, grip, mesh.area),
         "prior": schedule.prior_at(progress) * divergence,
         "smooth": schedule.smooth_weights * rough,
@@ -173,6 +176,7 @@ class Settings:
     outfits_per_step: int = 2
     rate: float = 1e-3
     seed: int = 0
+    start: float = 0.0  # progress at which a resumed run goes on
 
 
 def learn(
@@ -183,7 +187,7 @@ def learn(
     optimiser = torch.optim.Adam(net.parameters(), lr=s.rate, betas=(0.9, 0.98))
     average = torch.optim.swa_utils.AveragedModel(net, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.998))
     started, history, count = time.time(), [], 0
-    while (progress := (time.time() - started) / (60 * s.minutes)) < 1:
+    while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1:
         for group in optimiser.param_groups:
             group["lr"] = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
         history += [step(net, train.samples, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]
@@ -223,6 +227,7 @@ def main() -> None:
     p.add_argument("--shapes", type=int, default=40)
     p.add_argument("--poses", type=int, default=40)
     p.add_argument("--limit", type=int, help="use only this many outfits (smoke runs)")
+    p.add_argument("--start", type=float, default=0.0, help="progress (0 to 1) at which a resumed run goes on")
     p.add_argument("--rate", type=float, default=1e-3)
     a = p.parse_args()
     torch.manual_seed(0)
@@ -233,7 +238,7 @@ def main() -> None:
     validation = load_samples(a.outfits / "validation")[: a.limit]
     banks = BodyBank(a.shapes, a.poses, 1), BodyBank(6, 12, 2)
     print(f"{len(train.samples)} training and {len(validation)} validation outfits", flush=True)
-    learn(net, train, validation, banks, Settings(a.minutes, rate=a.rate), a.out)
+    learn(net, train, validation, banks, Settings(a.minutes, rate=a.rate, start=a.start), a.out)
 
 
 if __name__ == "__main__":

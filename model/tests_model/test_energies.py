@@ -75,10 +75,13 @@ def test_contact_is_quadratic_near_and_linear_deep() -> None:
     assert deep[2] - deep[1] == pytest.approx(deep[1] - deep[0], rel=1e-3)
 
 
-def test_gravity_does_nothing_where_skinning_does_not_turn_the_cloth() -> None:
+def test_gravity_acts_on_hanging_cloth_and_not_on_cloth_that_lies_as_drawn() -> None:
     x, area = torch.randn(2, 5, 3), torch.ones(5)
     up = torch.tensor([0.0, 1.0, 0.0]).expand(2, 5, 3)
-    assert energies.weight_change(x, up, area, FABRIC).abs().item() < 1e-9
+    assert energies.weight_change(x, up, torch.ones(5), area, FABRIC).abs().item() < 1e-9
+    falling = energies.weight_change(x - torch.tensor([0.0, 0.1, 0.0]), up, torch.zeros(5), area, FABRIC)
+    still = energies.weight_change(x, up, torch.zeros(5), area, FABRIC)
+    assert (still - falling).item() == pytest.approx(0.1 * FABRIC.density * FABRIC.gravity, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["stretch", "bending"])
