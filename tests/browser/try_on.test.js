@@ -41,12 +41,12 @@ test("choosing an outfit drapes it", async (context) => {
   assert.match(room.page.url(), new RegExp(`outfit=${id}`));
 });
 
-test("a taller body moves the cloth, in the buffers that are there", async () => {
+test("a shorter body moves the cloth, in the buffers that are there", async () => {
   await room.tab("body");
-  const { before: old, after: tall } = await room.change(() => room.measure("height", "186"));
-  assert.ok(tall.height > old.height + 0.05, `${old.height} m became ${tall.height} m`);
-  assert.equal(tall.vertices, old.vertices);
-  assert.ok(tall.inPlaceUpdates > old.inPlaceUpdates, "the buffers were made anew");
+  const { before: old, after: short } = await room.change(() => room.measure("height", "162"));
+  assert.ok(Math.abs(short.height - 1.62) < 0.02 && old.height > 1.7, `${old.height} m became ${short.height} m`);
+  assert.equal(short.vertices, old.vertices);
+  assert.ok(short.inPlaceUpdates > old.inPlaceUpdates, "the buffers were made anew");
   await room.page.locator("#measure-height-note", { hasText: /\d/ }).waitFor();
   await room.screenshot("measurements");
 });
@@ -196,10 +196,10 @@ test("the element works alone on another page", async () => {
     }),
   );
   await page.goto(`${TOILE_URL}/shop.html`);
-  await page.waitForFunction(() => document.querySelector("toile-viewer").stats?.().drapes === 1, undefined, { timeout: 180_000 });
+  await page.waitForFunction(() => document.querySelector("toile-viewer").stats?.().drapes === 1, undefined, { timeout: 300_000 });
   const before_ = await page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
   await page.evaluate(() => document.querySelector("toile-viewer").setAttribute("pose", "t-pose"));
-  await page.waitForFunction(() => document.querySelector("toile-viewer").stats().drapes === 2, undefined, { timeout: 180_000 });
+  await page.waitForFunction(() => document.querySelector("toile-viewer").stats().drapes === 2, undefined, { timeout: 300_000 });
   const after_ = await page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
   assert.notEqual(after_, before_);
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { drapeRequest, parsePose, sameVertices, type Wish } from "../src/viewer/drape_request";
+import { drapeRequest, parsePose, replaces, sameVertices, type Wish } from "../src/viewer/drape_request";
 
 const wish = { outfit: "abc", body: null, pose: null, motion: null, method: null, heat: null } satisfies Wish;
 
@@ -22,6 +22,17 @@ it("reuses vertices for the same outfit in still poses only", () => {
   expect(sameVertices(wish, { ...wish, outfit: "other" })).toBe(false);
   expect(sameVertices(wish, { ...wish, motion: "walk" })).toBe(false);
   expect(sameVertices(undefined, wish)).toBe(false);
+});
+
+it("leaves textures out where they are on the stage already", () => {
+  expect(drapeRequest(wish, false).output.textures).toBe(false);
+});
+
+it("gives up a drape in flight for another outfit or motion, not for another body", () => {
+  expect(replaces(wish, { ...wish, body: { kind: "phenotypes", values: { age: 1 } } })).toBe(false);
+  expect(replaces(wish, { ...wish, motion: "walk" })).toBe(true);
+  expect(replaces(wish, { ...wish, outfit: "other" })).toBe(true);
+  expect(replaces(undefined, wish)).toBe(true);
 });
 
 it("reads a pose attribute as a preset or as joints", () => {

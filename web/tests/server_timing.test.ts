@@ -18,5 +18,5 @@ it("prefers the service's own total to the sum of its stages", () => {
 });
 
 it("shows fewer digits for longer times", () => {
-  expect([0.05, 2.34, 230].map(milliseconds)).toEqual(["0.05 ms", "2.3 ms", "230 ms"]);
+  expect([0.05, 2.34, 230, 1583].map(milliseconds)).toEqual(["0.05 ms", "2.3 ms", "230 ms", "1.6 s"]);
 });

@@ -34,7 +34,7 @@ export interface Outfit {
   garments: Garment[];
   methods: string[];
   created_at: string;
-  links: { self: string; static: string; thumbnail: string };
+  links: { self: string; static: string; thumbnail: string | null };
   report?: MendingReport;
 }
 
@@ -119,7 +119,7 @@ export interface DrapeRequest {
   body?: Body;
   pose?: Pose;
   motion?: string;
-  output: { include: ("outfit" | "body")[]; method?: Method; attributes?: VertexAttribute[] };
+  output: { include: ("outfit" | "body")[]; method?: Method; attributes?: VertexAttribute[]; textures?: boolean };
 }
 
 export interface Quality {

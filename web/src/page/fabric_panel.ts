@@ -109,6 +109,6 @@ export class FabricPanel {
 }
 
 function readable(name: string): string {
-  const words = name.replaceAll(/[_-]+/g, " ");
+  const words = name.replaceAll("_", " ");
   return words.charAt(0).toUpperCase() + words.slice(1);
 }

@@ -40,14 +40,20 @@ export class OutfitCard {
 
   /** The service's picture, or one drawn here where it has none. */
   private async picture(): Promise<void> {
-    try {
-      const bytes = await this.api.bytes(this.outfit.links.thumbnail);
-      this.blob = URL.createObjectURL(new Blob([bytes], { type: "image/png" }));
-    } catch {
-      this.blob = await this.portraits.draw(this.outfit.links.static).catch(() => undefined);
-    }
+    this.blob = (await this.thumbnail()) ?? (await this.portraits.draw(this.outfit).catch(() => undefined));
     if (this.blob) this.image.src = this.blob;
     this.element.classList.remove("card--loading");
     this.element.classList.toggle("card--blank", !this.blob);
+  }
+
+  private async thumbnail(): Promise<string | undefined> {
+    const { thumbnail } = this.outfit.links;
+    if (!thumbnail) return undefined;
+    try {
+      const bytes = await this.api.bytes(thumbnail);
+      return URL.createObjectURL(new Blob([bytes], { type: "image/png" }));
+    } catch {
+      return undefined;
+    }
   }
 }

@@ -76,6 +76,6 @@ export class StageOverlay {
 
 /** The garments' names, unless they only repeat the outfit's own. */
 function garmentNames(outfit: Outfit): string {
-  const names = outfit.garments.map((garment) => garment.name.replaceAll(/[_-]+/g, " "));
+  const names = outfit.garments.map((garment) => garment.name.replaceAll("_", " "));
   return names.length === 1 && names[0]?.toLowerCase() === outfit.name.toLowerCase() ? "" : names.join(" · ");
 }

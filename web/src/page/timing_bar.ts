@@ -8,12 +8,12 @@ export function timingBar(detail: Pick<DrapeDetail, "stages" | "roundTrip" | "by
   const segments = stages.map((stage, index) => {
     const segment = make("span", { className: "timing__segment", title: `${stage.name} ${milliseconds(stage.milliseconds)}` });
     segment.style.setProperty("--share", String(stage.milliseconds / Math.max(total, 1e-6)));
-    segment.style.setProperty("--index", String(index));
+    segment.style.setProperty("--tone", tone(index, stages.length));
     return segment;
   });
   const legend = stages.map((stage, index) => {
     const item = make("li", {}, make("span", { textContent: stage.name }), make("b", { textContent: milliseconds(stage.milliseconds) }));
-    item.style.setProperty("--index", String(index));
+    item.style.setProperty("--tone", tone(index, stages.length));
     return item;
   });
   const facts = `${milliseconds(detail.roundTrip)} round trip · ${kilobytes(detail.bytes)}`;
@@ -26,6 +26,10 @@ export function timingBar(detail: Pick<DrapeDetail, "stages" | "roundTrip" | "by
   );
 }
 
+function tone(index: number, count: number): string {
+  return `${Math.round((100 * index) / Math.max(count - 1, 1))}%`;
+}
+
 /** The service's own time: its `total` where it gives one, or the sum of the stages. */
 export function serviceTime(stages: DrapeDetail["stages"]): number {
   const total = stages.find((stage) => stage.name === "total");
@@ -33,6 +37,7 @@ export function serviceTime(stages: DrapeDetail["stages"]): number {
 }
 
 export function milliseconds(value: number): string {
+  if (value >= 1000) return `${(value / 1000).toFixed(1)} s`;
   return `${value.toFixed(value < 1 ? 2 : value < 100 ? 1 : 0)} ms`;
 }
 

@@ -14,7 +14,11 @@ export class CameraRig {
   private readonly target = new Vector3(0, 0.86, 0);
   private figureHeight = 1.75;
   private figureWidth = 1.4;
+  /** From the target up to the highest point of the pose, metres. */
+  private reach = 0;
   private framed = false;
+  /** The distance that was last fitted; another one is the shopper's own, and is left alone. */
+  private fitted = 0;
 
   constructor(element: HTMLElement, onChange: () => void) {
     this.controls = new OrbitControls(this.camera, element);
@@ -41,14 +45,21 @@ export class CameraRig {
     const narrower = Math.abs(this.camera.aspect - width / height) > 0.01;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    if (narrower) this.keepDistance();
+    if (narrower) this.fitDistance();
   }
 
-  /** Frames a figure once; later drapes leave the camera where the shopper has put it. */
-  frameOnce(bounds: Box3): void {
-    if (this.framed || bounds.isEmpty()) return;
-    this.framed = true;
-    this.frame(bounds);
+  /**
+   * Frames the first figure. After that the distance stays, so that a taller body looks taller, unless a pose reaches
+   * out of the picture: then the camera steps back, and forward again when the pose allows.
+   */
+  follow(bounds: Box3): void {
+    if (bounds.isEmpty()) return;
+    if (!this.framed) {
+      this.framed = true;
+      this.frame(bounds);
+    }
+    this.reach = bounds.max.y - this.target.y;
+    this.fitDistance();
   }
 
   frame(bounds: Box3): void {
@@ -56,11 +67,13 @@ export class CameraRig {
     this.figureWidth = Math.max(bounds.max.x - bounds.min.x, 0.3);
     // A little below the middle: room under the feet for what lies over the stage.
     this.target.set(0, bounds.min.y + this.figureHeight * 0.45, 0);
+    this.reach = bounds.max.y - this.target.y;
     this.look("front");
   }
 
   look(view: View): void {
-    this.place(new Spherical(this.fittingDistance(), POLAR, AZIMUTH[view]));
+    this.fitted = this.fittingDistance();
+    this.place(new Spherical(this.fitted, POLAR, AZIMUTH[view]));
   }
 
   private place(spherical: Spherical): void {
@@ -69,16 +82,20 @@ export class CameraRig {
     this.controls.update();
   }
 
-  private keepDistance(): void {
+  /** Moves to the fitting distance, unless the shopper has zoomed. */
+  private fitDistance(): void {
     const offset = this.camera.position.clone().sub(this.controls.target);
-    this.place(new Spherical().setFromVector3(offset.setLength(this.fittingDistance())));
+    if (Math.abs(offset.length() / this.fitted - 1) > 0.01) return;
+    this.fitted = this.fittingDistance();
+    this.place(new Spherical().setFromVector3(offset.setLength(this.fitted)));
   }
 
   private fittingDistance(): number {
     const tall = this.figureHeight * 1.34;
     const wide = this.figureWidth * 1.2;
     const halfAngle = Math.tan((this.camera.fov * Math.PI) / 360);
-    return Math.max(tall / 2 / halfAngle, wide / 2 / (halfAngle * this.camera.aspect));
+    const reach = this.reach * 1.08;
+    return Math.max(tall / 2 / halfAngle, wide / 2 / (halfAngle * this.camera.aspect), reach / halfAngle);
   }
 
   private turnByKey(key: string): boolean {
@@ -89,10 +106,15 @@ export class CameraRig {
     else if (key === "ArrowDown") spherical.phi += KEY_STEP / 2;
     else if (key === "+" || key === "=") spherical.radius *= 0.92;
     else if (key === "-") spherical.radius /= 0.92;
-    else if (key === "Home") spherical.set(this.fittingDistance(), POLAR, AZIMUTH.front);
+    else if (key === "Home") return this.lookFromFront();
     else return false;
     spherical.phi = Math.min(Math.max(spherical.phi, this.controls.minPolarAngle), this.controls.maxPolarAngle);
     this.place(spherical);
+    return true;
+  }
+
+  private lookFromFront(): boolean {
+    this.look("front");
     return true;
   }
 

@@ -11,7 +11,8 @@ export interface Wish {
   heat: VertexAttribute | null;
 }
 
-export function drapeRequest(wish: Wish & { outfit: string }): DrapeRequest {
+/** The request for a wish. Textures are left out where a figure on the stage has them already. */
+export function drapeRequest(wish: Wish & { outfit: string }, textures = true): DrapeRequest {
   // A heat map shows one still pose.
   const heat = wish.motion ? null : wish.heat;
   return {
@@ -22,6 +23,7 @@ export function drapeRequest(wish: Wish & { outfit: string }): DrapeRequest {
       include: ["outfit", "body"],
       ...(wish.method ? { method: wish.method } : {}),
       ...(heat ? { attributes: [heat] } : {}),
+      ...(textures ? {} : { textures }),
     },
   };
 }
@@ -40,4 +42,9 @@ export function parseBody(text: string | null): Body | null {
 /** True where a drape of `next` has the vertices of a drape of `before`, so that buffers can be reused. */
 export function sameVertices(before: Wish | undefined, next: Wish): boolean {
   return before !== undefined && before.outfit === next.outfit && !before.motion && !next.motion;
+}
+
+/** True where what is in flight for `before` is of no use any more: another outfit, or a motion begun or ended. */
+export function replaces(before: Wish | undefined, next: Wish): boolean {
+  return before?.outfit !== next.outfit || before.motion !== next.motion;
 }

@@ -3,7 +3,7 @@ import { LatestRequest, type Work } from "../api/latest_request";
 import { Problem } from "../api/problem";
 import type { Body, Method, Pose, VertexAttribute } from "../api/types";
 import type { View } from "./camera_rig";
-import { drapeRequest, parseBody, parsePose, sameVertices, type Wish } from "./drape_request";
+import { drapeRequest, parseBody, parsePose, replaces, sameVertices, type Wish } from "./drape_request";
 import type { DrapeDetail, ViewerEventMap, ViewerStats } from "./events";
 import type { Figure } from "./figure";
 import { readVertexArrays } from "./glb_arrays";
@@ -158,35 +158,39 @@ export class ToileViewer extends HTMLElement {
       return;
     }
     const wish = { ...this.wish, outfit };
-    const anew = !sameVertices(this.shown, wish);
     this.emit("toile-loading", { busy: true, first: this.shown?.outfit !== outfit });
-    this.requests.submit(this.draping(wish), anew);
+    this.requests.submit(this.draping(wish), replaces(this.shown, wish));
   }
 
   private draping(wish: Wish & { outfit: string }): Work {
     return async (signal) => {
+      if (sameVertices(this.shown, wish)) {
+        const drape = await this.client.drape(drapeRequest(wish, false), signal);
+        if (this.putInPlace(drape, wish)) {
+          this.announce(drape, wish.outfit, true);
+          return;
+        }
+      }
       const drape = await this.client.drape(drapeRequest(wish), signal);
-      const inPlace = await this.put(drape, wish, signal);
-      if (signal.aborted) return;
-      this.announce(drape, wish.outfit, inPlace);
+      const fresh = await loadFigure(drape.glb);
+      if (signal.aborted || !this.stage) {
+        fresh.dispose();
+        return;
+      }
+      this.exchange(fresh, wish);
+      this.announce(drape, wish.outfit, false);
     };
   }
 
-  /** Puts a drape on the stage; true where the buffers could be written in place. */
-  private async put(drape: Drape, wish: Wish, signal: AbortSignal): Promise<boolean> {
-    const figure = this.stage?.figure;
-    const arrays = figure && sameVertices(this.shown, wish) ? readVertexArrays(drape.glb) : undefined;
-    if (figure && arrays && figure.update(arrays)) {
-      this.shown = wish;
-      this.counts.inPlaceUpdates++;
-      this.showLook();
-      this.stage?.changed();
-      return true;
-    }
-    const fresh = await loadFigure(drape.glb);
-    if (signal.aborted || !this.stage) fresh.dispose();
-    else this.exchange(fresh, wish);
-    return false;
+  /** Writes a drape into the buffers on the stage; false where it does not have their vertices. */
+  private putInPlace(drape: Drape, wish: Wish): boolean {
+    const arrays = readVertexArrays(drape.glb);
+    if (!arrays || !this.stage?.figure?.update(arrays)) return false;
+    this.shown = wish;
+    this.counts.inPlaceUpdates++;
+    this.showLook();
+    this.stage.changed();
+    return true;
   }
 
   private exchange(fresh: Figure, wish: Wish): void {

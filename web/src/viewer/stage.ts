@@ -51,7 +51,6 @@ export class Stage {
     if (old) this.scene.remove(old.group);
     this.shown = figure;
     this.changed();
-    this.rig.frameOnce(figure.bounds());
     this.drawNow();
     old?.dispose();
   }
@@ -64,8 +63,10 @@ export class Stage {
   }
 
   /** The figure's vertices have moved: shadows are drawn anew, on the ground under its lowest point. */
-  changed(ground = this.groundHeight()): void {
-    this.contact.group.position.y = ground;
+  changed(): void {
+    const bounds = this.shown?.bounds();
+    this.contact.group.position.y = bounds && !bounds.isEmpty() ? bounds.min.y : 0;
+    if (bounds) this.rig.follow(bounds);
     this.shadowsStale = true;
     this.invalidate();
   }
@@ -95,11 +96,6 @@ export class Stage {
     this.environment.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
-  }
-
-  private groundHeight(): number {
-    const bounds = this.shown?.bounds();
-    return bounds && !bounds.isEmpty() ? bounds.min.y : 0;
   }
 
   private drawNow(): void {
