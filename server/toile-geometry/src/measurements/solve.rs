@@ -122,8 +122,7 @@ impl<'a> Problem<'a> {
         for iteration in 0..ITERATIONS {
             let equations = self.normal_equations(&best);
             let before = best.cost;
-            let promise = equations.decrease(&self.at, &self.projected_step(&equations, LEAST_DAMPING));
-            if promise <= ENOUGH * before {
+            if self.promise(&equations) <= ENOUGH * before {
                 return iteration;
             }
             while best.cost == before && damping < MOST_DAMPING {
@@ -140,6 +139,19 @@ impl<'a> Problem<'a> {
             }
         }
         ITERATIONS
+    }
+
+    /// How much the cost could still fall.
+    ///
+    /// By the undamped step or, since clamping to the bounds may turn that away from the descent, by
+    /// steps of each parameter alone, which clamping only shortens.
+    fn promise(&self, equations: &Equations) -> f64 {
+        let mut alone = self.at;
+        for &k in &self.free {
+            alone[k] = (alone[k] - equations.gradient[k] / equations.matrix[k][k]).clamp(low(k), 1.0);
+        }
+        let together = self.projected_step(equations, LEAST_DAMPING);
+        equations.decrease(&self.at, &together).max(equations.decrease(&self.at, &alone))
     }
 
     fn evaluate(&self, at: &Parameters) -> Evaluation {
