@@ -172,6 +172,7 @@ class Settings:
     """What a run is made of."""
 
     minutes: float
+    steps: int = 10**9  # stop after this many, for smoke runs
     poses: int = 5
     outfits_per_step: int = 2
     rate: float = 1e-3
@@ -187,7 +188,7 @@ def learn(
     optimiser = torch.optim.Adam(net.parameters(), lr=s.rate, betas=(0.9, 0.98))
     average = torch.optim.swa_utils.AveragedModel(net, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.998))
     started, history, count = time.time(), [], 0
-    while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1:
+    while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
         for group in optimiser.param_groups:
             group["lr"] = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
         history += [step(net, train.samples, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]

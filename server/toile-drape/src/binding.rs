@@ -3,15 +3,16 @@
 //! `rest` space on the reference body, metres. Training computes the same tables (`model/garment/binding.py`).
 
 use glam::Vec3;
+use toile_geometry::nearest::Hit;
 
 use crate::graph::{Links, OutfitGraph};
 use crate::reference::{GARMENT_JOINTS, Limb, ReferenceBody};
 
-/// Body vertices tested for collisions with each cloth vertex.
+/// Body vertices tested for collisions with the cloth of each node.
 pub const CANDIDATES: usize = 16;
 /// Candidates are spread over this many nearest body vertices.
 const CANDIDATE_POOL: usize = 160;
-/// Body vertices whose displacement a cloth vertex follows to another shape.
+/// Body vertices whose displacement a node follows to another shape.
 pub const SHAPE_SUPPORTS: usize = 24;
 const PRIOR_ROUNDS: usize = 80;
 
@@ -78,38 +79,34 @@ pub fn vertex_weights(nodes: &[Weights], vertex_from_node: &Links) -> Vec<Weight
         .collect()
 }
 
-/// Body vertices around each cloth vertex: every tenth of the nearest ones that its limb may touch, as one
-/// table of [`CANDIDATES`] a vertex.
+/// Body vertices around each node: every tenth of the nearest ones that its limb may touch, as one table of
+/// [`CANDIDATES`] a node, and the Gaussian average of the body's displacements that the node follows to
+/// another shape, wider the farther it hangs. One search serves both.
 #[must_use]
-pub fn collision_candidates(positions: &[Vec3], limbs: &[Limb], reference: &ReferenceBody) -> Vec<u32> {
-    let mut out = Vec::with_capacity(positions.len() * CANDIDATES);
-    for (p, limb) in positions.iter().zip(limbs) {
+pub fn body_links(nodes: &[Vec3], limbs: &[Limb], reference: &ReferenceBody) -> (Vec<u32>, Links) {
+    let mut candidates = Vec::with_capacity(nodes.len() * CANDIDATES);
+    let rows = nodes.len() * SHAPE_SUPPORTS;
+    let mut shape =
+        Links { width: SHAPE_SUPPORTS, index: Vec::with_capacity(rows), weight: Vec::with_capacity(rows) };
+    for (p, limb) in nodes.iter().zip(limbs) {
         let hits = reference.touch[*limb as usize].nearest_n(*p, CANDIDATE_POOL);
         let stride = CANDIDATE_POOL / CANDIDATES;
         let last = hits.last().map_or(0, |h| h.index);
-        out.extend((0..CANDIDATES).map(|k| hits.get(k * stride).map_or(last, |h| h.index)));
+        candidates.extend((0..CANDIDATES).map(|k| hits.get(k * stride).map_or(last, |h| h.index)));
+        push_shape_row(&mut shape, &hits);
     }
-    out
+    (candidates, shape)
 }
 
-/// Gaussian average of the body's displacements around each vertex, wider the farther it hangs.
-#[must_use]
-pub fn shape_binding(positions: &[Vec3], limbs: &[Limb], reference: &ReferenceBody) -> Links {
-    let rows = positions.len() * SHAPE_SUPPORTS;
-    let mut out =
-        Links { width: SHAPE_SUPPORTS, index: Vec::with_capacity(rows), weight: Vec::with_capacity(rows) };
-    for (p, limb) in positions.iter().zip(limbs) {
-        let hits = reference.touch[*limb as usize].nearest_n(*p, SHAPE_SUPPORTS * 3);
-        let least = hits.first().map_or(0.0, |h| h.distance);
-        let spread = (0.5 * least).max(0.02);
-        let start = out.weight.len();
-        for k in 0..SHAPE_SUPPORTS {
-            let hit = hits.get(k * 3);
-            out.index.push(hit.map_or(0, |h| h.index));
-            out.weight.push(hit.map_or(0.0, |h| (-0.5 * ((h.distance - least) / spread).powi(2)).exp()));
-        }
-        let total: f32 = out.weight[start..].iter().sum();
-        out.weight[start..].iter_mut().for_each(|w| *w /= total);
+fn push_shape_row(shape: &mut Links, hits: &[Hit]) {
+    let least = hits.first().map_or(0.0, |h| h.distance);
+    let spread = (0.5 * least).max(0.02);
+    let start = shape.weight.len();
+    for k in 0..SHAPE_SUPPORTS {
+        let hit = hits.get(k * 3);
+        shape.index.push(hit.map_or(0, |h| h.index));
+        shape.weight.push(hit.map_or(0.0, |h| (-0.5 * ((h.distance - least) / spread).powi(2)).exp()));
     }
-    out
+    let total: f32 = shape.weight[start..].iter().sum();
+    shape.weight[start..].iter_mut().for_each(|w| *w /= total);
 }

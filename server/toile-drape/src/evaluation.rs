@@ -31,10 +31,10 @@ impl Figures {
     /// Measures cloth against the posed body; `rest_lengths` are those of `edges` on the same body in the A-pose.
     #[must_use]
     pub fn measure(outfit: &Outfit, frame: &Frame, edges: &[[u32; 2]], rest_lengths: &[f32]) -> Self {
-        let Some(body) = PointTree::new(&frame.body, |_| true) else { return Self::default() };
+        let Some(body) = PointTree::new(&frame.body.vertices, |_| true) else { return Self::default() };
         let signed = |p: Vec3| {
             let hit = body.nearest(p).index as usize;
-            (p - frame.body[hit]).dot(frame.body_normals[hit])
+            (p - frame.body.vertices[hit]).dot(frame.body.normals[hit])
         };
         let depths: Vec<f32> = frame.positions.iter().map(|p| signed(*p)).filter(|d| *d < 0.0).collect();
         let at = |i: u32| frame.positions.get(i as usize).copied().unwrap_or_default();
@@ -86,16 +86,25 @@ fn quantile(values: &[f32], share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
+
     use crate::outfit::Outfit;
+    use crate::posed_body::PosedBody;
 
     #[test]
     fn a_vertex_behind_the_body_plane_counts_as_inside() {
         let outfit = Outfit { triangles: vec![[0, 1, 2]], ..Outfit::default() };
+        let posed = PosedBody {
+            vertices: vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Z * 0.1],
+            normals: vec![Vec3::Y; 3],
+            lift: Vec3::ZERO,
+        };
         let frame = Frame {
             positions: vec![Vec3::new(0.0, -0.01, 0.0), Vec3::new(0.1, 0.02, 0.0), Vec3::new(0.0, 0.02, 0.1)],
-            body: vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Z * 0.1],
-            body_normals: vec![Vec3::Y; 3],
-            ..Frame::default()
+            normals: vec![],
+            body: Arc::new(posed),
+            penetration: vec![],
+            strain: vec![],
         };
         let edges = [[0, 1], [1, 2], [0, 2]];
         let rest = lengths(&frame.positions, &edges).iter().map(|l| l / 1.1).collect::<Vec<_>>();

@@ -1,10 +1,11 @@
 //! An outfit's rest pose on recently asked body shapes.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::Vec3;
 use toile_geometry::body::{BodyShape, ShapedBody};
 
+use crate::recent::Recent;
 use crate::shape::carried;
 use crate::static_pass::StaticPass;
 use crate::studio::Studio;
@@ -21,9 +22,15 @@ pub struct Fitted {
     pub lengths: Vec<f32>,
 }
 
-/// A few fitted rest poses, the latest first.
-#[derive(Debug, Default)]
-pub struct FittedShapes(Mutex<Vec<(BodyShape, Arc<Fitted>)>>);
+/// A few fitted rest poses; they are not part of a static pass's value.
+#[derive(Debug)]
+pub struct FittedShapes(Recent<BodyShape, Fitted>);
+
+impl Default for FittedShapes {
+    fn default() -> Self {
+        Self(Recent::new(KEPT))
+    }
+}
 
 impl Clone for FittedShapes {
     fn clone(&self) -> Self {
@@ -41,20 +48,10 @@ impl StaticPass {
     /// The rest pose on a shape, kept for the next drape on the same shape.
     #[must_use]
     pub fn fitted(&self, studio: &Studio, shape: &BodyShape, shaped: &ShapedBody) -> Arc<Fitted> {
-        let mut kept = self.fitted_shapes.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(at) = kept.iter().position(|(s, _)| s == shape) {
-            let entry = kept.remove(at);
-            let fitted = Arc::clone(&entry.1);
-            kept.insert(0, entry);
-            return fitted;
-        }
-        drop(kept);
-        let rest = carried(self, &studio.reference, &shaped.apose_vertices, studio.body.triangles());
-        let fitted = Arc::new(Fitted { lengths: lengths(&rest, &self.edges), rest });
-        let mut kept = self.fitted_shapes.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.insert(0, (shape.clone(), Arc::clone(&fitted)));
-        kept.truncate(KEPT);
-        fitted
+        self.fitted_shapes.0.get(shape.clone(), |_| {
+            let rest = carried(self, &studio.reference, &shaped.apose_vertices, studio.body.triangles());
+            Fitted { lengths: lengths(&rest, &self.edges), rest }
+        })
     }
 }
 

@@ -232,3 +232,48 @@ fn two_rings(centre: usize, touching: &Adjacency) -> Vec<u32> {
     reach.dedup();
     reach
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strip(columns: u32, size: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let at = |i: u32| Vec3::new((i / 2) as f32 * size, (i % 2) as f32 * size, 0.1);
+        let triangles = (0..columns - 1).flat_map(|c| {
+            let i = 2 * c;
+            [[i, i + 2, i + 1], [i + 1, i + 2, i + 3]]
+        });
+        ((0..2 * columns).map(at).collect(), triangles.collect())
+    }
+
+    #[test]
+    fn every_vertex_is_interpolated_from_nodes_with_weights_that_sum_to_one() {
+        let (positions, triangles) = strip(80, 0.008);
+        let graph = OutfitGraph::new(&positions, &triangles, &vec![0; positions.len()]);
+        for v in 0..positions.len() {
+            let total: f32 = graph.vertex_from_node.row(v).map(|r| r.1).sum();
+            assert!((total - 1.0).abs() < 1e-5);
+        }
+        assert!(graph.nodes.positions.len() < positions.len() / 2);
+        assert!(graph.patches.positions.len() < graph.nodes.positions.len());
+    }
+
+    #[test]
+    fn garments_that_touch_in_space_share_no_node() {
+        let (mut positions, mut triangles) = strip(10, 0.008);
+        let count = positions.len() as u32;
+        positions.extend_from_within(..);
+        triangles.extend(triangles.clone().iter().map(|t| t.map(|i| i + count)));
+        let garment: Vec<u32> = (0..2 * count).map(|v| v / count).collect();
+        let graph = OutfitGraph::new(&positions, &triangles, &garment);
+        let (first, second) = graph.nodes.cluster_of.split_at(count as usize);
+        assert!(first.iter().all(|c| !second.contains(c)));
+    }
+
+    #[test]
+    fn coarse_meshes_have_a_node_for_every_vertex() {
+        let (positions, triangles) = strip(6, 0.08);
+        let graph = OutfitGraph::new(&positions, &triangles, &vec![0; positions.len()]);
+        assert_eq!(graph.nodes.positions.len(), positions.len());
+    }
+}

@@ -14,6 +14,7 @@ use crate::fitted::{Fitted, lengths};
 use crate::methods::{MethodKind, Placement, PosedSkeleton};
 use crate::network::Networks;
 use crate::outfit::Outfit;
+use crate::posed_body::PosedBody;
 use crate::push_out::Collider;
 use crate::resolve::{Resolved, resolve};
 use crate::skinning::place;
@@ -46,16 +47,14 @@ pub struct DrapeRequest<'a> {
 }
 
 /// One draped frame, world space.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Cloth, welded order, metres.
     pub positions: Vec<Vec3>,
     /// Unit normals of the cloth.
     pub normals: Vec<Vec3>,
-    /// Body vertices, metres.
-    pub body: Vec<Vec3>,
-    /// Unit normals of the body.
-    pub body_normals: Vec<Vec3>,
+    /// The body.
+    pub body: Arc<PosedBody>,
     /// Metres inside the body before the resolve, 0 outside.
     pub penetration: Vec<f32>,
     /// Mean strain of the edges at each vertex (length over rest length, less 1).
@@ -157,7 +156,7 @@ fn check(request: &DrapeRequest<'_>) -> Result<(), DrapeError> {
 
 fn clothe(studio: &Studio, request: &DrapeRequest<'_>) -> (Arc<ShapedBody>, Arc<Fitted>) {
     let shape = &request.motion.shape;
-    let shaped = studio.body.shared_shape(shape);
+    let shaped = studio.shapes.get(shape.clone(), |s| studio.body.shape(s));
     let fitted = request.statics.fitted(studio, shape, &shaped);
     (shaped, fitted)
 }
@@ -169,8 +168,7 @@ struct Skeletons {
 
 fn pose_skeletons(studio: &Studio, shaped: &ShapedBody, poses: &[Pose]) -> Skeletons {
     let body = &studio.body;
-    let world: Vec<Vec<Affine3A>> =
-        poses.iter().map(|p| body.world_joints(shaped, &body.grounded(shaped, p.clone()))).collect();
+    let world: Vec<Vec<Affine3A>> = poses.iter().map(|p| body.world_joints(shaped, p)).collect();
     Skeletons { garment: world.iter().map(|w| body.garment_transforms(shaped, w)).collect(), world }
 }
 
@@ -190,14 +188,16 @@ fn drape_frame(
     timing: &mut Timing,
 ) -> (Frame, Quality) {
     let (body, outfit, statics) = (&scene.studio.body, scene.request.outfit, scene.request.statics);
-    let (vertices, body_normals) = timing.time("body", || {
-        let posed = body.posed_vertices(scene.shaped, world);
-        let normals = vertex_normals(&posed, body.triangles());
-        (posed, normals)
+    let motion = scene.request.motion;
+    let posed = timing.time("body", || {
+        let key = (motion.shape.clone(), motion.poses[index].clone());
+        scene.studio.posed.get(key, |_| PosedBody::standing(body, scene.shaped, world))
     });
+    let lifted: Vec<Affine3A> = garment.iter().map(|t| Affine3A::from_translation(posed.lift) * *t).collect();
     let mut positions =
-        timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, garment));
-    let skin = Collider { vertices: &vertices, normals: &body_normals, ring: &scene.studio.reference.ring };
+        timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, &lifted));
+    let ring = &scene.studio.reference.ring;
+    let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring };
     let resolved = timing.time("resolve", || {
         if scene.request.resolve {
             resolve(outfit, statics, &skin, &mut positions)
@@ -211,7 +211,7 @@ fn drape_frame(
     quality.penetration_before_percent = percent(resolved.inside_before);
     quality.penetration_after_percent = percent(resolved.inside_after);
     let penetration = resolved.depth_before;
-    (Frame { positions, normals, body: vertices, body_normals, penetration, strain }, quality)
+    (Frame { positions, normals, body: posed, penetration, strain }, quality)
 }
 
 /// Strain at each vertex and the quality figures that follow from the edges.

@@ -54,27 +54,18 @@ impl Field<'_> {
         self.read(&self.gather(need), need.len())
     }
 
-    /// A field over vertices averaged on the nodes, relaxed over their neighbours, and read back.
+    /// A field over nodes relaxed over their neighbours and read at `vertices` vertices.
     #[must_use]
-    pub fn smoothed(&self, values: &[Vec3]) -> Vec<Vec3> {
-        let count = self.near.len();
-        let (mut sums, mut shares) = (vec![Vec3::ZERO; count], vec![0.0_f32; count]);
-        for (v, value) in values.iter().enumerate() {
-            for (node, weight) in self.vertex_from_node.row(v) {
-                sums[node] += *value * weight;
-                shares[node] += weight;
-            }
-        }
-        let mut nodes: Vec<Vec3> = sums.iter().zip(&shares).map(|(s, w)| *s / w.max(1e-12)).collect();
+    pub fn smoothed(&self, mut nodes: Vec<Vec3>, vertices: usize) -> Vec<Vec3> {
         for _ in 0..RELAXATIONS {
-            let relaxed = (0..count).map(|i| {
+            let relaxed = (0..nodes.len()).map(|i| {
                 let (around, linked) =
                     self.near.row(i).fold((Vec3::ZERO, 0.0), |(s, t), (j, w)| (s + nodes[j] * w, t + w));
                 nodes[i] * (1.0 - 0.5 * linked) + around * 0.5
             });
             nodes = relaxed.collect();
         }
-        self.read(&nodes, values.len())
+        self.read(&nodes, vertices)
     }
 
     fn read(&self, nodes: &[Vec3], vertices: usize) -> Vec<Vec3> {
@@ -107,5 +98,57 @@ impl Field<'_> {
             field = next;
         }
         field
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::OutfitGraph;
+
+    /// A square sheet in the ground plane, `side` vertices of 1 cm each way.
+    fn sheet(side: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let at = |i: u32| Vec3::new((i % side) as f32 * 0.01 + 0.003, 0.0, (i / side) as f32 * 0.01 + 0.003);
+        let corners = (0..side * (side - 1)).filter(|i| i % side + 1 < side);
+        let triangles =
+            corners.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
+        ((0..side * side).map(at).collect(), triangles)
+    }
+
+    #[test]
+    fn one_vertex_takes_its_neighbourhood_along_and_leaves_the_rest() {
+        let (positions, triangles) = sheet(60);
+        let graph = OutfitGraph::new(&positions, &triangles, &vec![0; positions.len()]);
+        let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near };
+        let mut need = vec![Vec3::ZERO; positions.len()];
+        let pushed = 30 * 60 + 30;
+        need[pushed] = Vec3::Y * 0.01;
+        let push = field.spread(&need);
+        assert!(push[pushed].y > 0.005);
+        assert!(push[pushed + 1].y > 0.005, "neighbours follow");
+        assert_eq!(push[0], Vec3::ZERO, "far vertices stay");
+        let step = (1..60).map(|k| (push[30 * 60 + k].y - push[30 * 60 + k - 1].y).abs()).fold(0.0, f32::max);
+        assert!(step < 0.004, "no spike: neighbours 1 cm apart differ by {step} m");
+    }
+
+    #[test]
+    fn a_constant_field_is_smoothed_to_itself() {
+        let (positions, triangles) = sheet(20);
+        let graph = OutfitGraph::new(&positions, &triangles, &vec![0; positions.len()]);
+        let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near };
+        let smooth = field.smoothed(vec![Vec3::X; graph.nodes.positions.len()], positions.len());
+        assert!(smooth.iter().all(|v| v.distance(Vec3::X) < 1e-5));
+    }
+
+    #[test]
+    fn clearance_is_negative_behind_the_surface() {
+        let (vertices, triangles) = sheet(10);
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        let normals = vec![Vec3::Y; vertices.len()];
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring };
+        let below = Vec3::new(0.052, -0.004, 0.047);
+        let (distance, normal) = surface.clearance(below, &[0]);
+        assert!((distance + 0.004).abs() < 1e-6);
+        assert_eq!(normal, Vec3::Y);
     }
 }

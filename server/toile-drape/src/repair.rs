@@ -12,7 +12,7 @@ use crate::push_out::Field;
 use crate::reference::{Limb, ReferenceBody};
 
 /// Distance that a mended rest pose keeps from the skin, metres.
-const SKIN_GAP: f32 = 0.0025;
+const SKIN_GAP: f32 = 0.004;
 /// Distance between layers, metres.
 const LAYER_GAP: f32 = 0.0015;
 /// An outer garment is only lifted off an inner one this near, metres.

@@ -12,10 +12,16 @@ const SKIN_GAP: f32 = 0.003;
 /// Distance that layers keep, metres, where their rest poses do too.
 const LAYER_GAP: f32 = 0.002;
 /// Rounds of smooth pushes; the last ones move single vertices.
-const SMOOTH_ROUNDS: usize = 4;
+const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 2;
 /// Triangles with an edge longer than this are also tested at their centroids, metres.
-const COARSE_EDGE: f32 = 0.015;
+const COARSE_EDGE: f32 = 0.022;
+/// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
+const TIGHTEST_CURVE: f32 = 0.03;
+/// A lack smaller than this is left alone, metres.
+const TOLERANCE: f32 = 3e-4;
+/// A vertex that moved less than this is not tested again, metres.
+const STILL: f32 = 1e-5;
 
 /// What the resolve found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,21 +42,66 @@ pub fn resolve(
     positions: &mut [Vec3],
 ) -> Resolved {
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
-    let clearance = |v: usize, p: Vec3| body.clearance(p, statics.candidates_of(v));
-    let depth_before: Vec<f32> =
-        positions.iter().enumerate().map(|(v, p)| (-clearance(v, *p).0).max(0.0)).collect();
+    let mut skin = SkinContact::new(statics, body, positions);
+    let depth_before: Vec<f32> = skin.distance.iter().map(|d| (-d).max(0.0)).collect();
+    let inside_before = skin.inside();
     let coarse = coarse_triangles(outfit, statics);
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
-        let mut need = skin_needs(statics, body, positions, &coarse);
+        let mut need = skin.needs();
+        add_centroid_needs(&skin, positions, &coarse, &mut need);
         add_layer_needs(outfit, statics, positions, &mut need);
         if need.iter().all(|n| *n == Vec3::ZERO) {
             break;
         }
         let push = if round < SMOOTH_ROUNDS { field.spread(&need) } else { need };
-        positions.iter_mut().zip(push).for_each(|(p, d)| *p += d);
+        for (v, (p, d)) in positions.iter_mut().zip(push).enumerate() {
+            if d.length_squared() > STILL * STILL {
+                *p += d;
+                skin.update(v, *p);
+            }
+        }
     }
-    let inside_after = positions.iter().enumerate().filter(|(v, p)| clearance(*v, **p).0 < 0.0).count();
-    Resolved { inside_before: depth_before.iter().filter(|d| **d > 0.0).count(), inside_after, depth_before }
+    Resolved { inside_before, inside_after: skin.inside(), depth_before }
+}
+
+/// Distance and normal of the skin at every cloth vertex, kept up to date as vertices move.
+struct SkinContact<'a> {
+    statics: &'a StaticPass,
+    body: &'a Collider<'a>,
+    distance: Vec<f32>,
+    normal: Vec<Vec3>,
+}
+
+impl<'a> SkinContact<'a> {
+    fn new(statics: &'a StaticPass, body: &'a Collider<'a>, positions: &[Vec3]) -> Self {
+        let at = |(v, p): (usize, &Vec3)| body.clearance(*p, statics.candidates_of(v));
+        let (distance, normal) = positions.iter().enumerate().map(at).unzip();
+        Self { statics, body, distance, normal }
+    }
+
+    fn update(&mut self, v: usize, position: Vec3) {
+        let (distance, normal) = self.body.clearance(position, self.statics.candidates_of(v));
+        if let (Some(d), Some(n)) = (self.distance.get_mut(v), self.normal.get_mut(v)) {
+            (*d, *n) = (distance, normal);
+        }
+    }
+
+    fn inside(&self) -> usize {
+        self.distance.iter().filter(|d| **d < 0.0).count()
+    }
+
+    fn gap(&self, v: usize) -> f32 {
+        self.statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP))
+    }
+
+    /// What each vertex lacks to its distance from the skin.
+    fn needs(&self) -> Vec<Vec3> {
+        let lack = |(v, (d, n)): (usize, (&f32, &Vec3))| {
+            let lack = self.gap(v) - d;
+            if lack > TOLERANCE { *n * lack } else { Vec3::ZERO }
+        };
+        self.distance.iter().zip(&self.normal).enumerate().map(lack).collect()
+    }
 }
 
 fn coarse_triangles<'o>(outfit: &'o Outfit, statics: &StaticPass) -> Vec<&'o [u32; 3]> {
@@ -62,37 +113,25 @@ fn coarse_triangles<'o>(outfit: &'o Outfit, statics: &StaticPass) -> Vec<&'o [u3
     outfit.triangles.iter().filter(|t| longest(t) > COARSE_EDGE * COARSE_EDGE).collect()
 }
 
-/// What each vertex lacks to its distance from the skin, also at the centroids of coarse triangles.
-fn skin_needs(
-    statics: &StaticPass,
-    body: &Collider<'_>,
-    positions: &[Vec3],
-    coarse: &[&[u32; 3]],
-) -> Vec<Vec3> {
-    let gap = |v: usize| statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP));
-    let mut need: Vec<Vec3> = positions
-        .iter()
-        .enumerate()
-        .map(|(v, p)| {
-            let (distance, normal) = body.clearance(*p, statics.candidates_of(v));
-            normal * (gap(v) - distance).max(0.0)
-        })
-        .collect();
+/// Adds what coarse triangles near the skin lack at their centroids, to their corners.
+fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[&[u32; 3]], need: &mut [Vec3]) {
     for triangle in coarse {
-        let corners = triangle.map(|i| positions.get(i as usize).copied().unwrap_or_default());
-        let centroid = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let (distance, normal) = body.clearance(centroid, statics.candidates_of(triangle[0] as usize));
-        let lack = 0.5 * gap(triangle[0] as usize) - distance;
-        if lack > 0.0 {
-            for &i in *triangle {
-                let slot = &mut need[i as usize];
-                if slot.length_squared() < lack * lack {
-                    *slot = normal * lack;
-                }
+        let corner = triangle.map(|i| i as usize);
+        let [a, b, c] = corner.map(|v| positions[v]);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
+        if corner.iter().all(|&v| skin.distance[v] > sinks) {
+            continue;
+        }
+        let centroid = (a + b + c) / 3.0;
+        let (distance, normal) = skin.body.clearance(centroid, skin.statics.candidates_of(corner[0]));
+        let lack = 0.5 * skin.gap(corner[0]) - distance;
+        for v in corner.into_iter().filter(|_| lack > TOLERANCE) {
+            if need[v].length_squared() < lack * lack {
+                need[v] = normal * lack;
             }
         }
     }
-    need
 }
 
 /// Adds what outer vertices lack to their distance from the inner garment under them.
@@ -107,7 +146,7 @@ fn add_layer_needs(outfit: &Outfit, statics: &StaticPass, positions: &[Vec3], ne
         let Some(point) = moved.get(outer).copied() else { continue };
         let (distance, normal) = inner.clearance(point, candidates);
         let lack = gap.clamp(0.0005, LAYER_GAP) - distance;
-        if lack > 0.0 {
+        if lack > TOLERANCE {
             need[outer] += normal * lack;
         }
     }

@@ -36,14 +36,14 @@ pub fn carried(
         })
         .collect();
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
-    let followed: Vec<Vec3> = (0..statics.rest.len())
-        .map(|v| statics.shape.row(v).fold(Vec3::ZERO, |sum, (b, w)| sum + missed[b] * w))
+    let followed: Vec<Vec3> = (0..statics.shape.len())
+        .map(|node| statics.shape.row(node).fold(Vec3::ZERO, |sum, (b, w)| sum + missed[b] * w))
         .collect();
     let rig = &statics.rig;
     let influences = rig.prior_joints.iter().zip(&rig.prior_weights);
     let mut out: Vec<Vec3> = influences
         .zip(&statics.rest)
-        .zip(field.smoothed(&followed))
+        .zip(field.smoothed(followed, statics.rest.len()))
         .map(|(((joints, weights), p), residual)| {
             let row = joints.iter().map(|&j| j as usize).zip(weights.iter().copied());
             blended(&maps, row, *p) + residual

@@ -117,8 +117,8 @@ impl StaticPass {
                 == [n; 4]
             && rig.basis.len() == 3 * BASIS * n
             && self.vertex_from_node.len() == n
-            && self.shape.len() == n
-            && self.candidates.len() == CANDIDATES * n
+            && self.shape.len() == nodes
+            && self.candidates.len() == CANDIDATES * nodes
             && self.layers.inner.len() == LAYER_CANDIDATES * self.layers.outer.len()
             && self.layers.gap.len() == self.layers.outer.len();
         let below = |list: &[u32], limit: usize| list.iter().all(|&i| (i as usize) < limit);

@@ -5,7 +5,7 @@ use toile_geometry::body::{Body, BodyShape};
 use toile_geometry::mesh::{Adjacency, edges};
 use toile_geometry::normals::vertex_normals;
 
-use crate::binding::{CANDIDATES, Weights, collision_candidates, node_prior, shape_binding, vertex_weights};
+use crate::binding::{CANDIDATES, Weights, body_links, node_prior};
 use crate::error::DrapeError;
 use crate::features::node_features;
 use crate::fitted::FittedShapes;
@@ -19,7 +19,7 @@ use crate::repair::{garment_of_vertex, outfit_ring, repaired};
 use crate::shape::carried_to_reference;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 1;
+pub const STATIC_FORMAT: u32 = 2;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -53,9 +53,9 @@ pub struct StaticPass {
     pub vertex_from_node: Links,
     /// Touching nodes.
     pub near: Links,
-    /// [`CANDIDATES`] body vertices a cloth vertex.
+    /// [`CANDIDATES`] body vertices a node.
     pub candidates: Vec<u32>,
-    /// Displacement of a vertex from displacements of the body's.
+    /// Displacement of a node from displacements of the body's.
     pub shape: Links,
     /// Outer garments over inner ones.
     pub layers: LayerContacts,
@@ -105,12 +105,12 @@ impl StaticPass {
             reference,
         );
         let rig = deepsd::static_pass(&graph, &features, &prior, networks)?;
-        let limbs: Vec<Limb> =
-            vertex_weights(&prior, &graph.vertex_from_node).iter().map(|w| reference.limb(w)).collect();
+        let limbs: Vec<Limb> = prior.iter().map(|w| reference.limb(w)).collect();
+        let (candidates, shape) = body_links(&graph.nodes.positions, &limbs, reference);
         Ok(Self {
             clearance: rest.iter().map(|p| reference.signed_distance(*p)).collect(),
-            candidates: collision_candidates(&rest, &limbs, reference),
-            shape: shape_binding(&rest, &limbs, reference),
+            candidates,
+            shape,
             layers: layer_contacts(outfit, &rest),
             edges: edges(&outfit.triangles),
             ring: outfit_ring(outfit),
@@ -131,7 +131,10 @@ impl StaticPass {
     /// Body vertices tested for collisions with cloth vertex `v`.
     #[must_use]
     pub fn candidates_of(&self, v: usize) -> &[u32] {
-        self.candidates.get(v * CANDIDATES..(v + 1) * CANDIDATES).unwrap_or(&[])
+        // Links are sorted by weight: the first node is the one around the vertex.
+        let node =
+            self.vertex_from_node.index.get(v * self.vertex_from_node.width).map_or(0, |n| *n as usize);
+        self.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[])
     }
 
     /// Descriptors of the vertices, row-major (vertices, width), interpolated from the nodes.

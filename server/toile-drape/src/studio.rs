@@ -2,15 +2,21 @@
 
 use std::sync::Arc;
 
-use toile_geometry::body::{Body, BodyShape};
+use toile_geometry::body::{Body, BodyShape, ShapedBody};
+use toile_geometry::pose::Pose;
 
 use crate::error::DrapeError;
 use crate::network::Networks;
 use crate::outfit::Outfit;
+use crate::posed_body::PosedBody;
+use crate::recent::Recent;
 use crate::reference::ReferenceBody;
 use crate::static_pass::StaticPass;
 
-/// Immutable things shared by every drape.
+const SHAPES: usize = 16;
+const POSED: usize = 32;
+
+/// Things shared by every drape.
 pub struct Studio {
     /// The body model.
     pub body: Body,
@@ -18,6 +24,10 @@ pub struct Studio {
     pub reference: ReferenceBody,
     /// Parents of the garment joints.
     pub garment_parents: Vec<Option<usize>>,
+    /// Recently asked body shapes, half a megabyte each.
+    pub shapes: Recent<BodyShape, ShapedBody>,
+    /// Recently posed bodies, a third of a megabyte each: shoppers try many outfits in the same pose.
+    pub posed: Recent<(BodyShape, Pose), PosedBody>,
 }
 
 impl Studio {
@@ -28,7 +38,13 @@ impl Studio {
     pub fn new(body: Body) -> Result<Arc<Self>, DrapeError> {
         let reference = ReferenceBody::new(&body)?;
         let garment_parents = body.skeleton().garment_parents().to_vec();
-        Ok(Arc::new(Self { body, reference, garment_parents }))
+        Ok(Arc::new(Self {
+            body,
+            reference,
+            garment_parents,
+            shapes: Recent::new(SHAPES),
+            posed: Recent::new(POSED),
+        }))
     }
 
     /// The static pass of an outfit fitted on `fitted_on`.

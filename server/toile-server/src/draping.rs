@@ -71,7 +71,7 @@ fn encode(
             normals: &frame.normals,
             strain: if with(Attribute::Strain) { &frame.strain } else { &[] },
             penetration: if with(Attribute::Penetration) { &frame.penetration } else { &[] },
-            body: &frame.body,
+            body: &frame.body.vertices,
         })
         .collect();
     let scene = Scene {

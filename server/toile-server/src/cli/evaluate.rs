@@ -68,14 +68,17 @@ impl Evaluate {
             set.bodies.len(),
             set.poses.len()
         );
-        println!("| outfit | before % | after % | edge mm before / after | stretch p99.9 before / after | max |");
+        println!(
+            "| outfit | before % | after % | edge mm before / after | stretch p99.9 before / after | max |"
+        );
         println!("|---|---:|---:|---:|---:|---:|");
         let mut rows = Vec::new();
         for path in &self.outfits {
             let (outfit, statics) = read(path, &assets, &mut networks)?;
             let mut frames = Vec::new();
             for motion in &motions {
-                let work = DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
+                let work =
+                    DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
                 let before = figures(&assets, &work, &mut networks)?;
                 let after = figures(&assets, &DrapeRequest { resolve: true, ..work }, &mut networks)?;
                 frames.extend(before.into_iter().zip(after));
@@ -115,7 +118,11 @@ fn read(path: &Path, assets: &Assets, networks: &mut dyn Networks) -> Result<(Ou
 }
 
 /// Figures of every frame; strain is against the same body's A-pose rest.
-fn figures(assets: &Assets, work: &DrapeRequest<'_>, networks: &mut dyn Networks) -> Result<Vec<Figures>, Failure> {
+fn figures(
+    assets: &Assets,
+    work: &DrapeRequest<'_>,
+    networks: &mut dyn Networks,
+) -> Result<Vec<Figures>, Failure> {
     let shape = &work.motion.shape;
     let shaped = assets.studio.body.shared_shape(shape);
     let fitted = work.statics.fitted(&assets.studio, shape, &shaped);
