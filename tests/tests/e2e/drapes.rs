@@ -100,7 +100,9 @@ fn the_pose_moves_the_cloth_and_the_shape_widens_it() {
     let heavy =
         positions(&json!({"outfit": outfit, "body": {"kind": "phenotypes", "values": {"weight": 1.0}}}));
     let front = |positions: &[[f32; 3]]| positions.iter().map(|p| p[2]).fold(f32::MIN, f32::max);
-    assert!(front(&sitting) > front(&standing) + 0.15, "the lap is not covered");
+    let waist = |positions: &[[f32; 3]]| positions.iter().map(|p| p[1]).fold(f32::MIN, f32::max);
+    assert!(front(&sitting) > front(&standing) + 0.05, "the skirt does not follow the thighs");
+    assert!(waist(&sitting) < waist(&standing) - 0.2, "the skirt does not go down with the hips");
     assert!(width(&heavy) > width(&standing) + 0.02, "{} and {}", width(&heavy), width(&standing));
 }
 
