@@ -49,7 +49,7 @@ impl Links {
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
-        if self.width == 0 { 0 } else { self.index.len() / self.width }
+        self.index.len().checked_div(self.width).unwrap_or(0)
     }
 
     /// Whether there are no rows.

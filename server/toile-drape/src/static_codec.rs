@@ -140,7 +140,7 @@ struct Stored<'a>(SafeTensors<'a>);
 impl Stored<'_> {
     fn column<T: Pod>(&self, name: &str, dtype: Dtype) -> Result<Vec<T>, DrapeError> {
         let view = self.0.tensor(name).map_err(|e| DrapeError::Stored(format!("{name}: {e}")))?;
-        if view.dtype() != dtype || view.data().len() % size_of::<T>() != 0 {
+        if view.dtype() != dtype || !view.data().len().is_multiple_of(size_of::<T>()) {
             return Err(DrapeError::Stored(format!("{name} is not {dtype:?}")));
         }
         Ok(bytemuck::allocation::pod_collect_to_vec(view.data()))
@@ -153,7 +153,7 @@ impl Stored<'_> {
     fn links(&self, name: &str, width: usize) -> Result<Links, DrapeError> {
         let index: Vec<u32> = self.column(name, Dtype::U32)?;
         let weight = self.floats(&format!("{name}_weight"))?;
-        if index.len() != weight.len() || index.len() % width != 0 {
+        if index.len() != weight.len() || !index.len().is_multiple_of(width) {
             return Err(DrapeError::Stored(format!("{name} is not {width} wide")));
         }
         Ok(Links { width, index, weight })
