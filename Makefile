@@ -50,14 +50,14 @@ binary: tools
 tools:
 	@missing=0; \
 	need() { if ! eval "$$2" >/dev/null 2>&1; then echo "missing: $$1. $$3" >&2; missing=1; fi; }; \
-	need "cargo (Rust 1.88 or newer)" "cargo --version" "Get it from https://rustup.rs"; \
-	need "a C compiler" "cc --version" "On Debian or Ubuntu: apt-get install build-essential"; \
+	need "cargo (Rust 1.88 or newer)" "command -v cargo" "Get it from https://rustup.rs"; \
+	need "a C compiler" "command -v cc" "On Debian or Ubuntu: apt-get install build-essential"; \
 	need "python3 (3.11 or newer)" "python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))'" \
 		"On Debian or Ubuntu: apt-get install python3; or from https://www.python.org"; \
 	need "python3's venv" "python3 -c 'import venv, ensurepip'" "On Debian or Ubuntu: apt-get install python3-venv"; \
 	need "node (20.19 or newer)" "node -e 'const [a, b] = process.versions.node.split(\".\").map(Number); process.exit(a > 20 || (a === 20 && b >= 19) ? 0 : 1)'" \
 		"Get it from https://nodejs.org"; \
-	need "npm" "npm --version" "It comes with node: https://nodejs.org"; \
+	need "npm" "command -v npm" "It comes with node: https://nodejs.org"; \
 	exit $$missing
 
 $(RUNTIME): model/requirements.txt | tools
