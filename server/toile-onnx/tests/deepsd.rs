@@ -10,7 +10,7 @@ use toile_drape::features::{FEATURES, node_features};
 use toile_drape::graph::OutfitGraph;
 use toile_drape::methods::MethodKind;
 use toile_drape::network::{Networks, TensorRef};
-use toile_drape::outfit::{Garment, Outfit, Part, Surface};
+use toile_drape::outfit::{Garment, Material, Outfit, Part, Surface};
 use toile_drape::pipeline::{DrapeRequest, Motion, drape};
 use toile_drape::static_pass::StaticPass;
 use toile_drape::studio::Studio;
@@ -72,9 +72,16 @@ impl Golden {
             layer: 0,
             vertices: vertices.clone(),
             drawn_vertices: vertices,
-            parts: vec![Part { material: None, triangles: faces }],
+            parts: vec![Part { material: 0, triangles: faces }],
         };
-        Outfit { positions, triangles, garments: vec![garment], surface, ..Outfit::default() }
+        Outfit {
+            positions,
+            triangles,
+            garments: vec![garment],
+            surface,
+            materials: vec![Material::default()],
+            ..Outfit::default()
+        }
     }
 }
 
