@@ -5,7 +5,7 @@ import { chromium } from "playwright-core";
 
 export const TOILE_URL = process.env.TOILE_URL ?? "http://127.0.0.1:8080";
 /** Drawing in software is slow: how long one drape may take to appear, milliseconds. */
-const PATIENCE = 300_000;
+export const PATIENCE = 300_000;
 
 const CHROMIUM_ARGUMENTS = [
   "--headless",

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { FittingRoom, launch, PHONE, TOILE_URL } from "./fitting_room.js";
+import { FittingRoom, launch, PATIENCE, PHONE, TOILE_URL } from "./fitting_room.js";
 import { skirtGlb } from "./skirt.js";
 
 let browser;
@@ -101,6 +101,7 @@ test("the service's time is shown stage by stage", async () => {
 });
 
 test("skinning alone gives another drape than the network", async () => {
+  await room.tab("insight");
   const { before: old, after: skinned } = await room.change(() => room.page.check('[name="method"][value="skinning"]'));
   assert.notEqual(skinned.positionSum, old.positionSum);
   await room.change(() => room.page.check('[name="method"][value="deepsd"]'));
@@ -178,7 +179,6 @@ test("the keyboard reaches the choices", async () => {
 
 test("the page fits a phone without scrolling sideways", async () => {
   const phone = await FittingRoom.open(browser, PHONE);
-  await phone.picturesDrawn();
   const overflow = await phone.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   assert.ok(overflow <= 0, `${overflow} px too wide`);
   await phone.screenshot("phone");
@@ -188,18 +188,16 @@ test("the page fits a phone without scrolling sideways", async () => {
 test("the element works alone on another page", async () => {
   const { outfit } = await room.stats();
   const page = await browser.newPage();
-  await page.route("**/shop.html", (route) =>
-    route.fulfill({
-      contentType: "text/html",
-      body: `<script type="module" src="/toile-viewer.js"></script>
-        <toile-viewer outfit="${outfit}" pose="squat" style="width: 400px; height: 500px"></toile-viewer>`,
-    }),
-  );
+  page.setDefaultTimeout(PATIENCE);
+  const body = `<script type="module" src="/toile-viewer.js"></script>
+    <toile-viewer outfit="${outfit}" pose="squat" style="width: 400px; height: 500px"></toile-viewer>`;
+  await page.route("**/shop.html", (route) => route.fulfill({ contentType: "text/html", body }));
   await page.goto(`${TOILE_URL}/shop.html`);
-  await page.waitForFunction(() => document.querySelector("toile-viewer").stats?.().drapes === 1, undefined, { timeout: 300_000 });
-  const before_ = await page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
+  const sumAfter = async (drapes) => {
+    await page.waitForFunction((count) => document.querySelector("toile-viewer").stats?.().drapes === count, drapes);
+    return page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
+  };
+  const squatting = await sumAfter(1);
   await page.evaluate(() => document.querySelector("toile-viewer").setAttribute("pose", "t-pose"));
-  await page.waitForFunction(() => document.querySelector("toile-viewer").stats().drapes === 2, undefined, { timeout: 300_000 });
-  const after_ = await page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
-  assert.notEqual(after_, before_);
+  assert.notEqual(await sumAfter(2), squatting);
 });
