@@ -38,7 +38,8 @@ fn a_method_that_a_route_does_not_take_is_a_problem_and_the_others_are_named() {
 
 #[test]
 fn a_json_body_that_is_too_long_is_a_problem() {
-    let body = json!({"outfit": "x".repeat(5 * 1024 * 1024)});
+    // Barely too long: a server may close before a longer one is sent whole, and then there is no answer to read.
+    let body = json!({"outfit": "x".repeat(4 * 1024 * 1024)});
     Server::shared().drape(&body).assert_problem(413, "too-large", None);
 }
 
