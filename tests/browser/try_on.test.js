@@ -192,7 +192,7 @@ test("the element works alone on another page", async () => {
   const body = `<script type="module" src="/toile-viewer.js"></script>
     <toile-viewer outfit="${outfit}" pose="squat" style="width: 400px; height: 500px"></toile-viewer>`;
   await page.route("**/shop.html", (route) => route.fulfill({ contentType: "text/html", body }));
-  await page.goto(`${TOILE_URL}/shop.html`);
+  await page.goto(`${TOILE_URL}/shop.html`, { waitUntil: "domcontentloaded", timeout: PATIENCE });
   const sumAfter = async (drapes) => {
     await page.waitForFunction((count) => document.querySelector("toile-viewer").stats?.().drapes === count, drapes);
     return page.evaluate(() => document.querySelector("toile-viewer").stats().positionSum);
