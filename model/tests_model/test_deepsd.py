@@ -87,7 +87,8 @@ def test_gradients_reach_every_parameter(sample: Sample, bank: BodyBank) -> None
     draped, _, clearances = run_one(net, sample, bank, bank.entries[1], torch.arange(2))
     (draped.posed.square().sum() + draped.node_weights.square().sum() + clearances["body"].sum()).backward()
     idle = [name for name, p in net.named_parameters() if p.grad is None or p.grad.abs().max() == 0]
-    assert idle == []
+    # Coefficients are taken less those at rest, so their last bias cancels.
+    assert idle == ["coefficients.net.4.bias"]
 
 
 def test_exported_graphs_answer_as_pytorch_does(sample: Sample, bank: BodyBank, tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def test_stretch_is_the_sum_over_edges(cloth: tuple[RestMesh, Tensor, np.ndarray
 def test_dihedral_agrees_with_the_angle_between_face_normals(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
     mesh, posed, _ = cloth
     expected = [[slow_dihedral(p, h) for h in mesh.hinges.numpy()] for p in posed.numpy()]
-    np.testing.assert_allclose(energies.dihedral(posed, mesh.hinges).numpy(), expected, atol=1e-6)
+    np.testing.assert_allclose(energies.dihedral(posed, mesh.hinges).numpy(), expected, atol=2e-5)
 
 
 def test_a_rest_pose_costs_nothing(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
@@ -71,7 +71,7 @@ def test_contact_is_quadratic_near_and_linear_deep() -> None:
     cost = lambda d: energies.contact(torch.tensor([[d]]), margin, area, FABRIC).item()  # noqa: E731
     assert cost(0.005) == 0
     assert cost(0.002) == pytest.approx(FABRIC.contact * 0.002**2, rel=1e-4)
-    deep = [cost(-0.02), cost(-0.03), cost(-0.04)]
+    deep = [cost(-0.03), cost(-0.04), cost(-0.05)]
     assert deep[2] - deep[1] == pytest.approx(deep[1] - deep[0], rel=1e-3)
 
 
@@ -94,6 +94,6 @@ def test_gradients_agree_with_finite_differences(name: str, cloth: tuple[RestMes
 
 def test_contact_gradient_agrees_with_finite_differences(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
     mesh, _, _ = cloth
-    distance = torch.linspace(-0.03, 0.0037, 9)[None].requires_grad_()
+    distance = torch.linspace(-0.05, 0.0037, 9)[None].requires_grad_()
     energy = lambda d: energies.contact(d, torch.full((9,), 0.004), mesh.area, FABRIC)  # noqa: E731
     assert torch.autograd.gradcheck(energy, distance, eps=1e-8, atol=1e-2, rtol=1e-3)
