@@ -22,9 +22,9 @@ from body.measuring import Tape
 Array = NDArray[np.float64]
 SOLVED = ("gender", "muscle", "weight", "height", "proportions")
 PHENOTYPE_PULL, LOCAL_PULL = 0.3, 0.1  # cm2
-ITERATIONS, DAMPING, DAMPING_MOST = 25, 1e-3, 1e6
+ITERATIONS, DAMPING, DAMPING_MOST = 25, 1e-3, 1e4
 STEP = 1e-4  # half width of the central difference by a phenotype
-ENOUGH = 1e-3  # relative decrease of the cost at which to stop
+ENOUGH = 1e-4  # relative decrease of the cost at which to stop
 
 
 @dataclass(frozen=True)

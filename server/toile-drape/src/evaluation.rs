@@ -97,6 +97,7 @@ mod tests {
         let posed = PosedBody {
             vertices: vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Z * 0.1],
             normals: vec![Vec3::Y; 3],
+            facing: vec![],
             lift: Vec3::ZERO,
         };
         let frame = Frame {

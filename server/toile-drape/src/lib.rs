@@ -5,6 +5,7 @@ pub mod error;
 pub mod evaluation;
 pub mod features;
 pub mod fitted;
+pub mod folds;
 pub mod graph;
 pub mod layers;
 pub mod methods;

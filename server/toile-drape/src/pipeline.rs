@@ -191,13 +191,16 @@ fn drape_frame(
     let motion = scene.request.motion;
     let posed = timing.time("body", || {
         let key = (motion.shape.clone(), motion.poses[index].clone());
-        scene.studio.posed.get(key, |_| PosedBody::standing(body, scene.shaped, world))
+        scene
+            .studio
+            .posed
+            .get(key, |_| PosedBody::standing(body, &scene.studio.reference.parts, scene.shaped, world))
     });
     let lifted: Vec<Affine3A> = garment.iter().map(|t| Affine3A::from_translation(posed.lift) * *t).collect();
     let mut positions =
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, &lifted));
     let ring = &scene.studio.reference.ring;
-    let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring };
+    let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
     let resolved = timing.time("resolve", || {
         if scene.request.resolve {
             resolve(outfit, statics, &skin, &mut positions)

@@ -7,6 +7,7 @@ use glam::Vec3;
 use toile_geometry::mesh::Adjacency;
 use toile_geometry::nearest::descend;
 
+use crate::folds;
 use crate::graph::Links;
 
 /// A surface that cloth stays outside of.
@@ -18,16 +19,53 @@ pub struct Collider<'a> {
     pub normals: &'a [Vec3],
     /// Edges of the surface.
     pub ring: &'a Adjacency,
+    /// For every vertex the one that faces it across a fold; empty where the surface has none.
+    pub facing: &'a [u32],
+}
+
+/// What a surface says about a point near it.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// Signed distance along the normal of the nearest vertex, metres.
+    pub distance: f32,
+    /// That normal.
+    pub normal: Vec3,
+    /// The same of the surface across a fold, infinite where there is none.
+    pub across: f32,
+    /// Its normal.
+    pub across_normal: Vec3,
 }
 
 impl Collider<'_> {
     /// Signed distance of `point` along the normal of its nearest vertex, and that normal.
     #[must_use]
     pub fn clearance(&self, point: Vec3, candidates: &[u32]) -> (f32, Vec3) {
-        let hit = descend(point, self.vertices, candidates, self.ring) as usize;
-        match (self.vertices.get(hit), self.normals.get(hit)) {
-            (Some(v), Some(n)) => ((point - *v).dot(*n), *n),
-            _ => (f32::INFINITY, Vec3::Y),
+        let hit = descend(point, self.vertices, candidates, self.ring);
+        let (_, distance, normal) = self.plane(point, hit);
+        (distance, normal)
+    }
+
+    /// The same, and that of the surface across the fold in which the point may lie.
+    #[must_use]
+    pub fn contact(&self, point: Vec3, candidates: &[u32]) -> Contact {
+        let hit = descend(point, self.vertices, candidates, self.ring);
+        let (_, distance, normal) = self.plane(point, hit);
+        let opposite = self.facing.get(hit as usize).copied().unwrap_or(folds::NONE);
+        let (mut across, mut across_normal) = (f32::INFINITY, Vec3::ZERO);
+        if opposite != folds::NONE {
+            let (away, d, n) = self.plane(point, descend(point, self.vertices, &[opposite], self.ring));
+            if away < folds::REACH {
+                (across, across_normal) = (d, n);
+            }
+        }
+        Contact { distance, normal, across, across_normal }
+    }
+
+    /// Distance of a point to a vertex, its signed distance along the vertex's normal, and the normal.
+    fn plane(&self, point: Vec3, vertex: u32) -> (f32, f32, Vec3) {
+        match (self.vertices.get(vertex as usize), self.normals.get(vertex as usize)) {
+            (Some(v), Some(n)) => (point.distance(*v), (point - *v).dot(*n), *n),
+            _ => (f32::INFINITY, f32::INFINITY, Vec3::Y),
         }
     }
 }
@@ -145,7 +183,7 @@ mod tests {
         let (vertices, triangles) = sheet(10);
         let ring = Adjacency::new(vertices.len(), &triangles);
         let normals = vec![Vec3::Y; vertices.len()];
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring };
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
         let below = Vec3::new(0.052, -0.004, 0.047);
         let (distance, normal) = surface.clearance(below, &[0]);
         assert!((distance + 0.004).abs() < 1e-6);

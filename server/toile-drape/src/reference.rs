@@ -35,6 +35,24 @@ impl Limb {
     pub const ALL: [Self; 5] = [Self::Trunk, Self::ArmLeft, Self::ArmRight, Self::LegLeft, Self::LegRight];
 }
 
+/// Parts of the body that can meet where it bends (see [`crate::folds`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// From the chest down to the hips.
+    Trunk,
+    /// Upper leg.
+    ThighLeft,
+    /// Upper leg.
+    ThighRight,
+    /// Lower leg.
+    CalfLeft,
+    /// Lower leg.
+    CalfRight,
+}
+
+/// Height of the reference body's chest, above which nothing meets a thigh, metres.
+const CHEST: f32 = 1.25;
+
 /// The body does not fit what draping needs.
 #[derive(Debug, Error)]
 #[error("the baked body lacks {0}")]
@@ -50,6 +68,8 @@ pub struct ReferenceBody {
     pub skin: Vec<[f32; GARMENT_JOINTS]>,
     /// Edges of the surface.
     pub ring: Adjacency,
+    /// Part of every vertex; none for arms, head and feet.
+    pub parts: Vec<Option<Part>>,
     /// For each limb the body vertices that its cloth may touch.
     pub touch: [PointTree; 5],
     /// Every body vertex.
@@ -80,6 +100,24 @@ impl LimbJoints {
             Ok([side(SIDES[0])?, side(SIDES[1])?])
         };
         Ok(Self { arm: find(&ARM)?, leg: find(&LEG)?, shoulder: find(&SHOULDER)?, hand: find(&["wrist"])? })
+    }
+}
+
+impl LimbJoints {
+    /// The part with most of a vertex's skin weight.
+    fn part(&self, row: &[f32; GARMENT_JOINTS]) -> Option<Part> {
+        let sides = [(Part::ThighLeft, Part::CalfLeft), (Part::ThighRight, Part::CalfRight)];
+        for (leg, (thigh, calf)) in self.leg.iter().zip(sides) {
+            let share = |range: std::ops::Range<usize>| leg.get(range).map_or(0.0, |j| total(row, j));
+            match (share(0..2), share(2..4), share(4..5)) {
+                (_, _, foot) if foot > 0.5 => return None,
+                (upper, lower, _) if upper + lower > 0.5 => {
+                    return Some(if upper > lower { thigh } else { calf });
+                }
+                _ => {}
+            }
+        }
+        Some(Part::Trunk)
     }
 }
 
@@ -118,6 +156,9 @@ impl ReferenceBody {
             ],
             all: tree(&|_| true)?,
             clothed: tree(&|v| hand(v) <= 0.95)?,
+            parts: (0..vertices.len())
+                .map(|v| limbs.part(&skin[v]).filter(|_| no_arm(v) && vertices[v].y < CHEST))
+                .collect(),
             normals: vertex_normals(&vertices, body.triangles()),
             ring: Adjacency::new(vertices.len(), body.triangles()),
             vertices,

@@ -4,13 +4,15 @@ use glam::Vec3;
 use toile_geometry::normals::vertex_normals;
 
 use crate::outfit::Outfit;
-use crate::push_out::{Collider, Field};
+use crate::push_out::{Collider, Contact, Field};
 use crate::static_pass::StaticPass;
 
 /// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
 const SKIN_GAP: f32 = 0.003;
 /// Distance that layers keep, metres, where their rest poses do too.
 const LAYER_GAP: f32 = 0.002;
+/// Distance that cloth keeps from the surface across a fold, metres: both sides may leave no more room.
+const FOLD_GAP: f32 = 0.001;
 /// Rounds of smooth pushes; the last ones move single vertices.
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 2;
@@ -43,7 +45,7 @@ pub fn resolve(
 ) -> Resolved {
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
-    let depth_before: Vec<f32> = skin.distance.iter().map(|d| (-d).max(0.0)).collect();
+    let depth_before: Vec<f32> = skin.contacts.iter().map(|c| (-c.distance).max(0.0)).collect();
     let inside_before = skin.inside();
     let coarse = coarse_triangles(outfit, statics);
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
@@ -64,43 +66,40 @@ pub fn resolve(
     Resolved { inside_before, inside_after: skin.inside(), depth_before }
 }
 
-/// Distance and normal of the skin at every cloth vertex, kept up to date as vertices move.
+/// The skin at every cloth vertex, kept up to date as vertices move.
 struct SkinContact<'a> {
     statics: &'a StaticPass,
     body: &'a Collider<'a>,
-    distance: Vec<f32>,
-    normal: Vec<Vec3>,
+    contacts: Vec<Contact>,
 }
 
 impl<'a> SkinContact<'a> {
     fn new(statics: &'a StaticPass, body: &'a Collider<'a>, positions: &[Vec3]) -> Self {
-        let at = |(v, p): (usize, &Vec3)| body.clearance(*p, statics.candidates_of(v));
-        let (distance, normal) = positions.iter().enumerate().map(at).unzip();
-        Self { statics, body, distance, normal }
+        let at = |(v, p): (usize, &Vec3)| body.contact(*p, statics.candidates_of(v));
+        Self { statics, body, contacts: positions.iter().enumerate().map(at).collect() }
     }
 
     fn update(&mut self, v: usize, position: Vec3) {
-        let (distance, normal) = self.body.clearance(position, self.statics.candidates_of(v));
-        if let (Some(d), Some(n)) = (self.distance.get_mut(v), self.normal.get_mut(v)) {
-            (*d, *n) = (distance, normal);
+        if let Some(contact) = self.contacts.get_mut(v) {
+            *contact = self.body.contact(position, self.statics.candidates_of(v));
         }
     }
 
     fn inside(&self) -> usize {
-        self.distance.iter().filter(|d| **d < 0.0).count()
+        self.contacts.iter().filter(|c| c.distance.min(c.across) < 0.0).count()
     }
 
     fn gap(&self, v: usize) -> f32 {
         self.statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP))
     }
 
-    /// What each vertex lacks to its distance from the skin.
+    /// What each vertex lacks to its distance from the skin, on both sides of a fold.
     fn needs(&self) -> Vec<Vec3> {
-        let lack = |(v, (d, n)): (usize, (&f32, &Vec3))| {
-            let lack = self.gap(v) - d;
-            if lack > TOLERANCE { *n * lack } else { Vec3::ZERO }
+        let push = |lack: f32, normal: Vec3| if lack > TOLERANCE { normal * lack } else { Vec3::ZERO };
+        let need = |(v, c): (usize, &Contact)| {
+            push(self.gap(v) - c.distance, c.normal) + push(FOLD_GAP - c.across, c.across_normal)
         };
-        self.distance.iter().zip(&self.normal).enumerate().map(lack).collect()
+        self.contacts.iter().enumerate().map(need).collect()
     }
 }
 
@@ -120,7 +119,7 @@ fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[&[u3
         let [a, b, c] = corner.map(|v| positions[v]);
         let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
         let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
-        if corner.iter().all(|&v| skin.distance[v] > sinks) {
+        if corner.iter().all(|&v| skin.contacts[v].distance > sinks) {
             continue;
         }
         let centroid = (a + b + c) / 3.0;
@@ -141,7 +140,7 @@ fn add_layer_needs(outfit: &Outfit, statics: &StaticPass, positions: &[Vec3], ne
     }
     let moved: Vec<Vec3> = positions.iter().zip(&*need).map(|(p, n)| *p + *n).collect();
     let normals = vertex_normals(&moved, &outfit.triangles);
-    let inner = Collider { vertices: &moved, normals: &normals, ring: &statics.ring };
+    let inner = Collider { vertices: &moved, normals: &normals, ring: &statics.ring, facing: &[] };
     for (outer, candidates, gap) in statics.layers.iter() {
         let Some(point) = moved.get(outer).copied() else { continue };
         let (distance, normal) = inner.clearance(point, candidates);

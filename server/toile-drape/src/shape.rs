@@ -61,7 +61,7 @@ fn push_off(
     positions: &mut [Vec3],
 ) {
     let normals = vertex_normals(apose, triangles);
-    let skin = Collider { vertices: apose, normals: &normals, ring: &reference.ring };
+    let skin = Collider { vertices: apose, normals: &normals, ring: &reference.ring, facing: &[] };
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     for round in 0..ROUNDS {
         let need: Vec<Vec3> = positions

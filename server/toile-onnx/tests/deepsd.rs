@@ -139,7 +139,7 @@ fn carried_rest_and_posed_cloth_agree_with_the_training_code() {
     let values = [("gender", 1.0), ("weight", 0.7), ("height", 0.4)];
     let values: BTreeMap<String, f32> = values.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect();
     let shape = BodyShape::from_values(&studio.body, &values).unwrap();
-    let shaped = studio.body.shared_shape(&shape);
+    let shaped = studio.body.shape(&shape);
     let fitted = statics.fitted(&studio, &shape, &shaped);
     // The server first moves the rest pose off the skin and binds nodes, not vertices: not the same, but near.
     let (mean, largest) = differences(&fitted.rest, &golden.points("rest"));

@@ -59,7 +59,7 @@ impl Assets {
         let poses = PoseLibrary::from_json(&read(&folder.join("poses.json"))?, &body)?;
         let body_hash = short_hash([bytes.as_slice()]);
         let body_template = BodyTemplate::new(body.vertex_count(), body.triangles());
-        let reference = body.shared_shape(&BodyShape::default());
+        let reference = Arc::new(body.shape(&BodyShape::default()));
         Ok(Self { studio: Studio::new(body)?, reference, poses, body_template, body_hash })
     }
 
@@ -73,7 +73,7 @@ impl Assets {
         if *shape == self.reference.shape {
             Arc::clone(&self.reference)
         } else {
-            self.body().shared_shape(shape)
+            self.studio.shapes.get(shape.clone(), |s| self.body().shape(s))
         }
     }
 }

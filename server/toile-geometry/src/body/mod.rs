@@ -11,8 +11,6 @@ mod phenotypes;
 mod shape;
 mod tensors;
 
-use std::sync::Arc;
-
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
 use crate::measurements::{MeasurementInfo, Tape};
@@ -98,12 +96,6 @@ impl Body {
         apose_vertices.iter_mut().for_each(|v| v.y -= lowest);
         let joints = heads.iter().map(|&head| Vec3::from(head) - Vec3::Y * lowest).collect();
         ShapedBody { shape: shape.clone(), rest_vertices, joints, apose_vertices, joint_from_rest }
-    }
-
-    /// Evaluates a shape into something that a cache can hand out.
-    #[must_use]
-    pub fn shared_shape(&self, shape: &BodyShape) -> Arc<ShapedBody> {
-        Arc::new(self.shape(shape))
     }
 
     fn joint_frames(&self, coefficients: &[f32]) -> JointFrames {

@@ -124,7 +124,7 @@ fn figures(
     networks: &mut dyn Networks,
 ) -> Result<Vec<Figures>, Failure> {
     let shape = &work.motion.shape;
-    let shaped = assets.studio.body.shared_shape(shape);
+    let shaped = assets.shaped(shape);
     let fitted = work.statics.fitted(&assets.studio, shape, &shaped);
     let draped = drape(&assets.studio, work, networks)?;
     let measure = |frame| Figures::measure(work.outfit, frame, &work.statics.edges, &fitted.lengths);

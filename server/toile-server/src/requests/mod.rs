@@ -1,167 +1,31 @@
 //! From JSON to domain types: the only place where a request becomes a body shape, a pose, a motion.
 //! The command line reads its files through the same types.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod body;
+mod output;
+mod pose;
 
-use glam::{Quat, Vec4};
 use serde::{Deserialize, Serialize};
 use toile_drape::methods::MethodKind;
 use toile_drape::pipeline::Motion;
 use toile_geometry::body::BodyShape;
 use toile_geometry::pose::Pose;
-use toile_geometry::poses::KeyPose;
 
 use crate::assets::Assets;
 use crate::errors::{ApiError, Code};
 use crate::json::escape;
+
+use pose::from_library;
+
+pub use body::BodyRequest;
+pub use output::{Attribute, OutputRequest, Part};
+pub use pose::PoseRequest;
 
 /// Longest sequence.
 pub const MAX_FRAMES: usize = 256;
 /// Frames a second where nothing is stated.
 pub const DEFAULT_FRAME_RATE: f32 = 24.0;
 const FRAME_RATES: std::ops::RangeInclusive<f32> = 1.0..=240.0;
-
-/// How a body is described.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum BodyKind {
-    /// By phenotypes and local changes.
-    Phenotypes,
-    /// By a tailor's measurements.
-    Measurements,
-}
-
-/// A body.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct BodyRequest {
-    kind: BodyKind,
-    #[serde(default)]
-    values: BTreeMap<String, f32>,
-}
-
-impl BodyRequest {
-    /// Phenotypes and local changes that another request may use.
-    pub fn of_shape(shape: &BodyShape, assets: &Assets) -> Self {
-        Self { kind: BodyKind::Phenotypes, values: shape.values(assets.body()) }
-    }
-
-    /// The shape. Solving measurements takes milliseconds: not for a tokio thread.
-    ///
-    /// # Errors
-    /// When a name is not known, a value is out of range or no body has the measurements.
-    pub fn shape(&self, assets: &Assets) -> Result<BodyShape, ApiError> {
-        let shape = match self.kind {
-            BodyKind::Phenotypes => {
-                BodyShape::from_values(assets.body(), &self.values).map_err(ApiError::from)
-            }
-            BodyKind::Measurements => crate::measurements::solve(assets, &self.values, &BTreeMap::new())
-                .map(|solution| solution.shape),
-        };
-        shape.map_err(|error| error.under("/values"))
-    }
-}
-
-/// How a pose is described.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PoseKind {
-    /// By the name of a preset.
-    Preset,
-    /// By joint rotations.
-    Joints,
-}
-
-/// A pose.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct PoseRequest {
-    kind: PoseKind,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    id: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    rotations: Option<BTreeMap<String, [f32; 4]>>,
-}
-
-impl PoseRequest {
-    /// A preset by name.
-    pub fn preset(id: &str) -> Self {
-        Self { kind: PoseKind::Preset, id: Some(id.to_owned()), rotations: None }
-    }
-
-    fn pose(&self, assets: &Assets) -> Result<Pose, ApiError> {
-        match (self.kind, &self.id, &self.rotations) {
-            (PoseKind::Preset, Some(id), None) => {
-                let preset = assets.poses.preset(id).ok_or_else(|| unknown_pose(id))?;
-                from_library(&preset.pose, assets)
-            }
-            (PoseKind::Joints, None, Some(rotations)) => {
-                let rotations =
-                    rotations.iter().map(|(name, &q)| (name.clone(), Quat::from_vec4(Vec4::from(q))));
-                let pose = Pose::from_humanoid(assets.body(), &rotations.collect());
-                pose.map_err(|error| ApiError::from(error).under("/rotations"))
-            }
-            (PoseKind::Preset, None, _) => {
-                Err(ApiError::new(Code::MissingField, "A preset pose needs its `id`."))
-            }
-            (PoseKind::Joints, _, None) => {
-                Err(ApiError::new(Code::MissingField, "A pose of joints needs `rotations`."))
-            }
-            (PoseKind::Preset, ..) => Err(unused("rotations", "A preset pose has no `rotations`.")),
-            (PoseKind::Joints, ..) => Err(unused("id", "A pose of joints has no `id`.")),
-        }
-    }
-}
-
-fn unused(field: &str, detail: &str) -> ApiError {
-    ApiError::new(Code::UnknownField, detail).at(format!("/{field}"))
-}
-
-fn unknown_pose(id: &str) -> ApiError {
-    let detail = format!("There is no pose named \"{id}\"; GET /v1/poses lists them.");
-    ApiError::new(Code::UnknownPose, detail).at("/id")
-}
-
-/// A part of the answer.
-#[derive(Clone, Copy, Debug, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Part {
-    /// The draped garments.
-    Outfit,
-    /// The posed body.
-    Body,
-}
-
-/// A figure for every vertex.
-#[derive(Clone, Copy, Debug, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Attribute {
-    /// `_STRAIN`
-    Strain,
-    /// `_PENETRATION`
-    Penetration,
-}
-
-/// What the answer holds.
-#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct OutputRequest {
-    /// Parts of the scene.
-    pub include: BTreeSet<Part>,
-    /// Name of the method.
-    method: String,
-    /// Figures for every vertex.
-    pub attributes: BTreeSet<Attribute>,
-    /// Whether the outfit's pictures are embedded.
-    pub textures: bool,
-}
-
-impl Default for OutputRequest {
-    fn default() -> Self {
-        let include = BTreeSet::from([Part::Outfit]);
-        Self { include, method: MethodKind::Deepsd.to_string(), attributes: BTreeSet::new(), textures: true }
-    }
-}
 
 /// A request to drape an outfit.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -292,11 +156,6 @@ impl DrapeBody {
         };
         Ok((poses, DEFAULT_FRAME_RATE))
     }
-}
-
-/// Poses of the library were checked when it was read.
-fn from_library(pose: &KeyPose, assets: &Assets) -> Result<Pose, ApiError> {
-    pose.to_pose(assets.body()).map_err(ApiError::internal)
 }
 
 /// A pointer to a member of the object at hand.
