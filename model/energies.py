@@ -20,11 +20,14 @@ class Fabric:
     stretch: float = 400.0  # N/m
     stiffening: float = 1.0  # times the stretch stiffness, added beyond `limit`
     limit: float = 0.15  # strain at which woven cloth locks
-    compression: float = 0.35  # share of the stretch stiffness that resists shortening
+    compression: float = 0.35  # share of the stretch stiffness that resists shortening until cloth buckles
+    buckling: float = 0.02  # shortening at which it buckles: from there the force stays the same
+    crumple: float = 0.6  # shortening at which folds touch each other
     bending: float = 3e-5  # N m
     contact: float = 4e5  # J/m4, penalty of penetration
     deep: float = 0.03  # m, depth from which the penalty grows linearly
     thickness: float = 0.004  # m, distance kept from the skin
+    least: float = 0.0025  # m, distance kept by cloth that rests nearer
     gravity: float = 9.81  # m/s2
 
 
@@ -47,11 +50,19 @@ def edge_lengths(x: Tensor, edges: Tensor) -> Tensor:
 
 
 def stretch(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
-    """Edge term: equation 10 of DeePSD as springs, stretching stiffer than shortening (cloth buckles)."""
+    """Edge term: equation 10 of DeePSD as springs that lock when long and buckle when short.
+
+    Cloth under compression folds at a small constant load. Folds finer than a node cannot be drawn by the
+    network, so their shortening is left to the edges (tension field theory); without it a flared skirt
+    is as stiff as a lampshade.
+    """
     strain = edge_lengths(x, mesh.edges) / mesh.length - 1
-    stiffness = torch.where(strain > 0, fabric.stretch, fabric.stretch * fabric.compression)
-    locked = fabric.stiffening * fabric.stretch * (strain.abs() - fabric.limit).clamp(min=0).square()
-    return (0.5 * (stiffness * strain.square() + locked) * mesh.edge_area).sum(1).mean() / mesh.area.sum()
+    longer, shorter = strain.clamp(min=0), (-strain).clamp(min=0)
+    bent = shorter.clamp(max=fabric.buckling)
+    tension = 0.5 * longer.square() + 0.5 * fabric.stiffening * (longer - fabric.limit).clamp(min=0).square()
+    pressure = fabric.compression * bent * (shorter - 0.5 * bent)
+    pressure = pressure + 0.5 * (shorter - fabric.crumple).clamp(min=0).square()
+    return (fabric.stretch * (tension + pressure) * mesh.edge_area).sum(1).mean() / mesh.area.sum()
 
 
 def dihedral(x: Tensor, hinges: Tensor) -> Tensor:

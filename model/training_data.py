@@ -13,12 +13,11 @@ from torch import Tensor
 
 from body.anny_body import AnnyBody, vertex_normals
 from body.humanoid import joint_rotations
-from body.pose_sampling import sample_poses
+from body.pose_sampling import DEMANDING, sample_poses
 from energies import RestMesh
-from garment import nearest
+from garment import features, nearest
 from garment.binding import bind, reference_surface
 from garment.carry import MARGIN, blend, joint_maps, push_out, smoothed
-from garment.features import node_features
 from garment.graph import build, mesh_edges
 from garment.rest_mesh import rest_mesh, topology
 from nets.deepsd import Graph, gather_mean, top_four
@@ -47,6 +46,11 @@ class Sample:
     inner: Tensor  # (Q, 8) vertices of that garment
     layer_gap: Tensor  # (Q,) rest distance to it
 
+    @property
+    def node_distance(self) -> Tensor:
+        """Distance of each node to the body at rest, (M,) metres, at most 0.3."""
+        return self.features[:, features.DISTANCE].clamp(min=0) * features.DISTANCE_UNIT
+
 
 def prepare(path: Path) -> dict[str, np.ndarray]:
     """All tables of an outfit file as arrays (see `Sample`)."""
@@ -61,7 +65,7 @@ def prepare(path: Path) -> dict[str, np.ndarray]:
     surface = reference_surface()
     normals = vertex_normals(v, t)
     out = {"vertices": v, "triangles": t, "prior": binding.prior, "candidates": binding.candidates}
-    out["features"] = node_features(graph, normals, binding.prior, garment, surface)
+    out["features"] = features.node_features(graph, normals, binding.prior, garment, surface)
     for name in Graph.__dataclass_fields__ | {"vertex_from_node": 0, "vertex_from_node_weight": 0}:
         out[name] = getattr(graph, name)
     shape = binding.shape
@@ -142,6 +146,8 @@ class ShapedPoses:
     shape: Tensor  # (26,) network input
     apose: Tensor  # (V, 3)
     apose_normals: Tensor  # (V, 3)
+    maps: Tensor  # (36, 3, 4) affine map of each joint from the reference body
+    missed: Tensor  # (V, 3) what those maps miss of this body
     transforms: Tensor  # (P, 36, 3, 4)
     vertices: Tensor  # (P, V, 3)
     normals: Tensor  # (P, V, 3)
@@ -159,7 +165,7 @@ class BodyBank:
         parents = body.parents[body.garment_joints]
         self.parents = torch.as_tensor(np.where(parents < 0, -1, body.garment_joint[parents]))
         rng = np.random.default_rng(seed)
-        all_poses = sample_poses(shapes * poses, seed)
+        all_poses = sample_poses(shapes * poses, seed, DEMANDING)
         self.entries = [
             self._entry(body, random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)
         ]
@@ -173,8 +179,10 @@ class BodyBank:
             posed.append(body.pose(shaped, world).astype(np.float32))
         vertices = torch.as_tensor(np.stack(posed))
         apose = torch.as_tensor(shaped.apose_vertices, dtype=torch.float32)
+        maps = joint_maps(self.reference, apose, self.skin)
         return ShapedPoses(
             shape_vector(body, *values), apose, nearest.vertex_normals(apose[None], self.triangles)[0],
+            maps, apose - blend(maps, self.reference, self.skin),
             torch.as_tensor(np.stack(transforms), dtype=torch.float32), vertices,
             nearest.vertex_normals(vertices, self.triangles),
         )  # fmt: skip
@@ -201,14 +209,12 @@ def shape_vector(body: AnnyBody, phenotypes: dict[str, float], local: dict[str, 
 @torch.no_grad()
 def carry(sample: Sample, bank: BodyBank, entry: ShapedPoses) -> tuple[Tensor, RestMesh]:
     """The outfit on another body shape, pushed out where the carried cloth would enter the skin: (N, 3), tables."""
-    maps = joint_maps(bank.reference, entry.apose, bank.skin)
-    missed = entry.apose - blend(maps, bank.reference, bank.skin)
     prior = gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight)
     weight, joint = top_four(prior)
     kept = torch.zeros_like(prior).scatter(1, joint, weight)
     field = (sample.vertex_from_node, sample.vertex_from_node_weight, sample.graph.near, sample.graph.near_weight)
-    followed = (missed[sample.shape_index] * sample.shape_weight[..., None]).sum(1)
-    v = blend(maps, sample.vertices, kept) + smoothed(followed, *field)
+    followed = (entry.missed[sample.shape_index] * sample.shape_weight[..., None]).sum(1)
+    v = blend(entry.maps, sample.vertices, kept) + smoothed(followed, *field)
     skin = (entry.apose, entry.apose_normals)
     v = push_out(v, sample.distance.clamp(0.001, MARGIN), skin, sample.candidates, bank.ring, field)
     return v, rest_mesh(v, sample.tables)

@@ -12,6 +12,8 @@ from garment.graph import OutfitGraph
 Floats = NDArray[np.float64]
 
 WAVELENGTHS = (0.5, 0.2)
+#: Column of the signed distance to the body, and its unit in metres.
+DISTANCE, DISTANCE_UNIT = 9, 0.1
 FEATURES = 3 + 3 + 3 + 1 + 3 + 3 * 2 * len(WAVELENGTHS) + 36 + 1
 
 
@@ -35,6 +37,12 @@ def node_features(
     waves = [f(2 * np.pi * centred / w) for w in WAVELENGTHS for f in (np.sin, np.cos)]
     first = np.zeros(count)
     first[graph.nodes.cluster_of] = layer
-    columns = [centred, normal, surface.normals[hit], np.clip(signed * 10, -1, 3)[:, None], np.clip(offset * 10, -3, 3)]
+    columns = [
+        centred,
+        normal,
+        surface.normals[hit],
+        np.clip(signed / DISTANCE_UNIT, -1, 3)[:, None],
+        np.clip(offset / DISTANCE_UNIT, -3, 3),
+    ]
     columns += [*waves, prior, np.minimum(first, 3)[:, None] / 3]
     return np.concatenate(columns, 1)

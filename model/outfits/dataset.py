@@ -14,11 +14,17 @@ from pathlib import Path
 
 import numpy as np
 
+from body.anny_body import AnnyBody
+
+from .body_fields import body_fields
 from .families import ORNAMENTED, TRAIN_ORDER, VALIDATION
 from .generate import generate
 from .mesh import OutfitMesh
+from .snug import snug
 
 VALIDATION_SEED = 1_000_000
+#: Every so many outfits one is worn tight.
+SNUG_EVERY = 4
 
 
 def save(outfit: OutfitMesh, path: Path) -> None:
@@ -43,7 +49,11 @@ def save(outfit: OutfitMesh, path: Path) -> None:
 def _make(job: tuple[int, str, str]) -> str:
     seed, family, path = job
     if not Path(path).exists():
-        save(generate(seed, family), Path(path))
+        outfit = generate(seed, family)
+        if seed % SNUG_EVERY == 1:
+            model = AnnyBody.load()
+            outfit = snug(outfit, body_fields(model, model.shape()))
+        save(outfit, Path(path))
     return path
 
 
