@@ -23,7 +23,7 @@ from body.pose_sampling import sample_pose
 
 Array = NDArray[np.float64]
 OUT = Path(__file__).parents[1] / "artifacts" / "golden" / "body.safetensors"
-CASES, STRIDE = 16, 37
+CASES, STRIDE = 100, 37
 
 
 def random_case(rng: np.random.Generator, body: AnnyBody, case: int) -> dict:

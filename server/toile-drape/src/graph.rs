@@ -66,6 +66,21 @@ impl Links {
         index.iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(i, w)| (*i as usize, *w))
     }
 
+    /// Appends the weighted sums of `values` of every row, (rows, 3).
+    pub fn interpolate(&self, values: &[[f32; 3]], out: &mut Vec<f32>) {
+        let width = self.width.max(1);
+        let rows = self.index.chunks_exact(width).zip(self.weight.chunks_exact(width));
+        for (index, weight) in rows {
+            let mut sum = [0.0; 3];
+            for (i, w) in index.iter().zip(weight) {
+                if let Some(value) = values.get(*i as usize) {
+                    sum.iter_mut().zip(value).for_each(|(s, v)| *s += w * v);
+                }
+            }
+            out.extend_from_slice(&sum);
+        }
+    }
+
     fn push(&mut self, row: &[(u32, f32)]) {
         let first = row.first().map_or(0, |r| r.0);
         for k in 0..self.width {

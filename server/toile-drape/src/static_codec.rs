@@ -115,7 +115,7 @@ impl StaticPass {
         let sizes = self.clearance.len() == n
             && [rig.joints.len(), rig.weights.len(), rig.prior_joints.len(), rig.prior_weights.len()]
                 == [n; 4]
-            && rig.basis.len() == 3 * BASIS * n
+            && rig.basis.len() == 3 * BASIS * nodes
             && self.vertex_from_node.len() == n
             && self.shape.len() == nodes
             && self.candidates.len() == CANDIDATES * nodes

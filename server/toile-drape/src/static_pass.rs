@@ -19,7 +19,7 @@ use crate::repair::{garment_of_vertex, outfit_ring, repaired};
 use crate::shape::carried_to_reference;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 2;
+pub const STATIC_FORMAT: u32 = 3;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -34,7 +34,7 @@ pub struct Rig {
     pub prior_joints: Vec<[u8; INFLUENCES]>,
     /// Their weights, summing to 1.
     pub prior_weights: Vec<[f32; INFLUENCES]>,
-    /// Basis of the pose-space deformation, row-major (basis vectors, 3 x vertices), metres, rest space.
+    /// Basis of the pose-space deformation, row-major (basis vectors, 3 x nodes), metres, rest space.
     pub basis: Vec<f32>,
     /// Descriptors of the nodes, row-major (nodes, width).
     pub descriptors: Vec<f32>,

@@ -7,7 +7,7 @@ use super::{Method, Placement, PosedSkeleton};
 use crate::binding::{Weights, vertex_weights};
 use crate::error::DrapeError;
 use crate::features::FEATURES;
-use crate::graph::{Links, OutfitGraph};
+use crate::graph::OutfitGraph;
 use crate::network::{Networks, Tensor, TensorRef};
 use crate::reference::GARMENT_JOINTS;
 use crate::static_pass::{Rig, StaticPass, largest_influences};
@@ -29,9 +29,10 @@ impl Method for Deepsd {
         posed: &PosedSkeleton<'_>,
         networks: &mut dyn Networks,
     ) -> Result<Placement<'s>, DrapeError> {
-        let width = 3 * statics.rest.len();
+        // On the nodes, which are fewer than the vertices of a fine mesh; everything after is linear.
+        let width = 3 * statics.near.len();
         let shape = shape_features(posed.shape);
-        let mut offsets = Vec::with_capacity(posed.transforms.len() * width);
+        let mut offsets = Vec::with_capacity(posed.transforms.len() * 3 * statics.rest.len());
         for frames in posed.transforms.chunks(CHUNK) {
             let pose: Vec<f32> = frames.iter().flat_map(|f| pose_features(f, posed.parents)).collect();
             let answer = networks.run(
@@ -42,7 +43,10 @@ impl Method for Deepsd {
                     ("basis", TensorRef::F32(&[BASIS, width], &statics.rig.basis)),
                 ],
             )?;
-            offsets.append(&mut only("deepsd/dynamic", answer, frames.len() * width)?);
+            let nodes = only("deepsd/dynamic", answer, frames.len() * width)?;
+            for frame in nodes.chunks_exact(width.max(1)) {
+                statics.vertex_from_node.interpolate(frame.as_chunks().0, &mut offsets);
+            }
         }
         Ok(Placement::Rest { offsets, joints: &statics.rig.joints, weights: &statics.rig.weights })
     }
@@ -74,7 +78,7 @@ pub fn static_pass(
         weights,
         prior_joints,
         prior_weights,
-        basis: vertex_basis(&basis.values, &graph.vertex_from_node),
+        basis: rows_of_basis(&basis.values),
         descriptors: descriptors.values,
     })
 }
@@ -109,21 +113,13 @@ fn run_static(
     answer.try_into().map_err(|_| DrapeError::Answer { graph: "deepsd/static", expected: 3, found })
 }
 
-/// Node basis (nodes, 3, BASIS) to the vertices' (BASIS, 3 x vertices), the layout of the dynamic product.
-fn vertex_basis(nodes: &[f32], vertex_from_node: &Links) -> Vec<f32> {
-    let width = 3 * vertex_from_node.len();
-    let mut out = vec![0.0; BASIS * width];
-    let mut row = [0.0; 3 * BASIS];
-    for v in 0..vertex_from_node.len() {
-        row.fill(0.0);
-        for (node, weight) in vertex_from_node.row(v) {
-            let from = &nodes[node * 3 * BASIS..(node + 1) * 3 * BASIS];
-            row.iter_mut().zip(from).for_each(|(r, b)| *r += weight * b);
-        }
-        for (axis, values) in row.chunks_exact(BASIS).enumerate() {
-            for (r, value) in values.iter().enumerate() {
-                out[r * width + 3 * v + axis] = *value;
-            }
+/// Basis (nodes, 3, BASIS) as (BASIS, 3 x nodes), the layout of the dynamic product.
+fn rows_of_basis(nodes: &[f32]) -> Vec<f32> {
+    let width = nodes.len() / BASIS;
+    let mut out = vec![0.0; nodes.len()];
+    for (column, values) in nodes.chunks_exact(BASIS).enumerate() {
+        for (r, value) in values.iter().enumerate() {
+            out[r * width + column] = *value;
         }
     }
     out
