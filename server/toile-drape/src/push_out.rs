@@ -26,14 +26,24 @@ pub struct Collider<'a> {
 /// What a surface says about a point near it.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
-    /// Signed distance along the normal of the nearest vertex, metres.
+    /// Distance to the nearest vertex, metres.
+    pub away: f32,
+    /// Signed distance along that vertex's normal, metres.
     pub distance: f32,
-    /// That normal.
+    /// The normal.
     pub normal: Vec3,
-    /// The same of the surface across a fold, infinite where there is none.
+    /// The same signed distance of the surface across a fold, infinite where there is none.
     pub across: f32,
     /// Its normal.
     pub across_normal: Vec3,
+}
+
+impl Contact {
+    /// A point at least `away` metres from the surface, outside.
+    #[must_use]
+    pub const fn far(away: f32) -> Self {
+        Self { away, distance: away, normal: Vec3::Y, across: f32::INFINITY, across_normal: Vec3::ZERO }
+    }
 }
 
 impl Collider<'_> {
@@ -49,16 +59,16 @@ impl Collider<'_> {
     #[must_use]
     pub fn contact(&self, point: Vec3, candidates: &[u32]) -> Contact {
         let hit = descend(point, self.vertices, candidates, self.ring);
-        let (_, distance, normal) = self.plane(point, hit);
+        let (away, distance, normal) = self.plane(point, hit);
         let opposite = self.facing.get(hit as usize).copied().unwrap_or(folds::NONE);
         let (mut across, mut across_normal) = (f32::INFINITY, Vec3::ZERO);
         if opposite != folds::NONE {
-            let (away, d, n) = self.plane(point, descend(point, self.vertices, &[opposite], self.ring));
-            if away < folds::REACH {
+            let (reach, d, n) = self.plane(point, descend(point, self.vertices, &[opposite], self.ring));
+            if reach < folds::REACH {
                 (across, across_normal) = (d, n);
             }
         }
-        Contact { distance, normal, across, across_normal }
+        Contact { away, distance, normal, across, across_normal }
     }
 
     /// Distance of a point to a vertex, its signed distance along the vertex's normal, and the normal.
@@ -89,7 +99,12 @@ impl Field<'_> {
     /// Spreads the pushes that single vertices need, (vertices,) metres, over the cloth around them.
     #[must_use]
     pub fn spread(&self, need: &[Vec3]) -> Vec<Vec3> {
-        self.read(&self.gather(need), need.len())
+        let nodes = self.gather(need);
+        let pushed: Vec<bool> = nodes.iter().map(|n| *n != Vec3::ZERO).collect();
+        let value = |v: usize| {
+            if self.vertex_from_node.reaches(v, &pushed) { self.at(&nodes, v) } else { Vec3::ZERO }
+        };
+        (0..need.len()).map(value).collect()
     }
 
     /// A field over nodes relaxed over their neighbours and read at `vertices` vertices.
@@ -107,10 +122,11 @@ impl Field<'_> {
     }
 
     fn read(&self, nodes: &[Vec3], vertices: usize) -> Vec<Vec3> {
-        let value = |v: usize| {
-            self.vertex_from_node.row(v).map(|(n, w)| nodes[n] * w).fold(Vec3::ZERO, |sum, x| sum + x)
-        };
-        (0..vertices).map(value).collect()
+        (0..vertices).map(|v| self.at(nodes, v)).collect()
+    }
+
+    fn at(&self, nodes: &[Vec3], v: usize) -> Vec3 {
+        self.vertex_from_node.row(v).map(|(n, w)| nodes[n] * w).fold(Vec3::ZERO, |sum, x| sum + x)
     }
 
     /// Mean need of each node's vertices, weighted towards the largest, then passed on to its neighbours.
@@ -126,16 +142,23 @@ impl Field<'_> {
         }
         let wanted = |i: usize| if shares[i] > 0.0 { sums[i] / shares[i] } else { Vec3::ZERO };
         let mut field: Vec<Vec3> = (0..count).map(wanted).collect();
+        let mut pushed: Vec<bool> = shares.iter().map(|s| *s > 0.0).collect();
         for _ in 0..SPREADS {
-            let next = (0..count)
-                .map(|i| {
-                    let around = self.near.row(i).fold(Vec3::ZERO, |s, (j, w)| s + field[j] * w) * FOLLOW;
-                    if around.length_squared() > field[i].length_squared() { around } else { field[i] }
-                })
-                .collect();
-            field = next;
+            (field, pushed) = self.passed_on(&field, &pushed);
         }
         field
+    }
+
+    /// Each node's push or, where that is longer, a share of its neighbours'; most nodes have neither.
+    fn passed_on(&self, field: &[Vec3], pushed: &[bool]) -> (Vec<Vec3>, Vec<bool>) {
+        let (mut next, mut reached) = (field.to_vec(), pushed.to_vec());
+        for i in (0..field.len()).filter(|&i| self.near.reaches(i, pushed)) {
+            let around = self.near.row(i).fold(Vec3::ZERO, |s, (j, w)| s + field[j] * w) * FOLLOW;
+            if around.length_squared() > field[i].length_squared() {
+                (next[i], reached[i]) = (around, true);
+            }
+        }
+        (next, reached)
     }
 }
 

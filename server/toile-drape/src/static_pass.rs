@@ -131,10 +131,15 @@ impl StaticPass {
     /// Body vertices tested for collisions with cloth vertex `v`.
     #[must_use]
     pub fn candidates_of(&self, v: usize) -> &[u32] {
-        // Links are sorted by weight: the first node is the one around the vertex.
-        let node =
-            self.vertex_from_node.index.get(v * self.vertex_from_node.width).map_or(0, |n| *n as usize);
+        let node = self.node_of(v).unwrap_or(0);
         self.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[])
+    }
+
+    /// The node around cloth vertex `v`.
+    #[must_use]
+    pub fn node_of(&self, v: usize) -> Option<usize> {
+        // Links are sorted by weight.
+        self.vertex_from_node.targets(v).first().map(|n| *n as usize)
     }
 
     /// Descriptors of the vertices, row-major (vertices, width), interpolated from the nodes.

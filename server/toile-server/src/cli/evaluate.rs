@@ -132,7 +132,7 @@ fn figures(
 }
 
 fn report_worst(name: &str, frames: &[(Figures, Figures)], poses: usize) {
-    let worst = frames.iter().enumerate().max_by(|a, b| a.1.1.stretch_p999.total_cmp(&b.1.1.stretch_p999));
+    let worst = frames.iter().enumerate().max_by(|a, b| a.1.1.stretch_max.total_cmp(&b.1.1.stretch_max));
     if let Some((index, (before, after))) = worst {
         eprintln!("{name}: body {} pose {}: before {before:?} after {after:?}", index / poses, index % poses);
     }
