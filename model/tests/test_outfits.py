@@ -9,13 +9,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy.spatial import cKDTree
 
 from body.anny_body import AnnyBody
+from outfits.body_fields import body_fields
 from outfits.dataset import jobs, save
 from outfits.families import ORNAMENTED, TRAIN, TRAIN_ORDER, VALIDATION
 from outfits.generate import generate
 from outfits.mesh import OutfitMesh, components, corner_angles, edges_of, face_normals
+from outfits.snug import REACH, snug
 
 GALLERY = Path(__file__).parents[1] / "artifacts" / "gallery"
 CASES = (("tee_shorts", 3), ("shirt_tie_trousers", 5), ("jacket_tank_skirt", 8), ("halter_culottes", 1_000_003))
@@ -77,6 +80,19 @@ def test_same_seed_gives_the_same_outfit_and_another_seed_another() -> None:
     np.testing.assert_array_equal(first.garments[0].vertices, again.garments[0].vertices)
     np.testing.assert_array_equal(first.garments[0].triangles, again.garments[0].triangles)
     assert first.garments[0].vertices.shape != other.garments[0].vertices.shape
+
+
+def test_a_tight_variant_lies_nearer_and_never_in_the_skin() -> None:
+    model = AnnyBody.load()
+    fields = body_fields(model, model.shape())
+    loose = generate(11, "tank", vertices=300)
+    tight = snug(loose, fields)
+    before, after = (fields.clearance(o.garments[0].vertices)[0] for o in (loose, tight))
+    near = before < 0.5 * REACH
+    assert near.any()
+    assert (after > 0).all()
+    assert after[near].mean() < 0.8 * before[near].mean()
+    np.testing.assert_array_equal(before[before > REACH], after[before > REACH])
 
 
 def test_unknown_family_is_refused() -> None:
@@ -181,6 +197,8 @@ def test_gallery_files_parse_and_match_their_index() -> None:
     assert len(entries) >= 12
     assert {e["file"] for e in entries} == {p.name for p in GALLERY.glob("*.glb")}
     for entry in entries:
+        with Image.open((GALLERY / entry["file"]).with_suffix(".png")) as picture:
+            assert picture.size == (384, 480)
         document, blob = read_glb(GALLERY / entry["file"])
         assert [n["name"] for n in document["nodes"]] == entry["layers"]
         triangles = 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,14 +30,19 @@ def cloth(rng: np.random.Generator) -> tuple[RestMesh, Tensor, np.ndarray]:
     torch.set_default_dtype(torch.float32)
 
 
+def slow_spring(strain: float) -> float:
+    if strain >= 0:
+        return 0.5 * (strain**2 + FABRIC.stiffening * max(strain - FABRIC.limit, 0) ** 2)
+    bent, folded = min(-strain, FABRIC.buckling), max(-strain - FABRIC.crumple, 0)
+    return FABRIC.compression * (0.5 * bent**2 + bent * (-strain - bent)) + 0.5 * folded**2
+
+
 def slow_stretch(mesh: RestMesh, posed: Tensor) -> float:
     total = 0.0
     for pose in posed.numpy():
         for (a, b), rest, area in zip(mesh.edges.numpy(), mesh.length.numpy(), mesh.edge_area.numpy(), strict=True):
             strain = float(np.linalg.norm(pose[a] - pose[b])) / rest - 1
-            k = FABRIC.stretch * (1 if strain > 0 else FABRIC.compression)
-            over = max(abs(strain) - FABRIC.limit, 0)
-            total += 0.5 * (k * strain**2 + FABRIC.stiffening * FABRIC.stretch * over**2) * area
+            total += FABRIC.stretch * slow_spring(strain) * area
     return total / len(posed) / float(mesh.area.sum())
 
 
@@ -50,6 +56,15 @@ def slow_dihedral(p: np.ndarray, hinge: np.ndarray) -> float:
 def test_stretch_is_the_sum_over_edges(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
     mesh, posed, _ = cloth
     assert energies.stretch(posed, mesh, FABRIC).item() == pytest.approx(slow_stretch(mesh, posed), rel=1e-6)
+
+
+def test_cloth_buckles_at_a_constant_load(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    mesh, posed, _ = cloth
+    rest = posed[:1] - posed[:1].mean(1, keepdim=True)
+    own = replace(mesh, length=energies.edge_lengths(rest, mesh.edges)[0])
+    tenth, fifth, two_fifths = (energies.stretch(rest * (1 - s), own, FABRIC).item() for s in (0.1, 0.2, 0.4))
+    assert (two_fifths - fifth) / (fifth - tenth) == pytest.approx(2, rel=1e-6)
+    assert energies.stretch(rest * 1.2, own, FABRIC).item() > 5 * fifth
 
 
 def test_dihedral_agrees_with_the_angle_between_face_normals(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
