@@ -212,4 +212,23 @@ mod tests {
         assert!((distance + 0.004).abs() < 1e-6);
         assert_eq!(normal, Vec3::Y);
     }
+
+    #[test]
+    fn in_a_fold_both_surfaces_are_asked() {
+        let (floor, triangles) = sheet(10);
+        let count = floor.len() as u32;
+        let ceiling = floor.iter().map(|p| *p - Vec3::Y * 0.002);
+        let vertices: Vec<Vec3> = floor.iter().copied().chain(ceiling).collect();
+        let normals: Vec<Vec3> =
+            (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        let facing: Vec<u32> = (0..2 * count).map(|v| (v + count) % (2 * count)).collect();
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &facing };
+        let contact = surface.contact(floor[44] - Vec3::Y * 0.0005, &[44]);
+        assert!((contact.distance + 0.0005).abs() < 1e-6);
+        assert!((contact.across + 0.0015).abs() < 1e-6, "{contact:?}");
+        assert_eq!(contact.across_normal, Vec3::NEG_Y);
+        let far = surface.contact(floor[44] + Vec3::Y * 0.1, &[44]);
+        assert_eq!(far.across, f32::INFINITY, "out of the fold's reach");
+    }
 }
