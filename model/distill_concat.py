@@ -16,9 +16,14 @@ from pathlib import Path
 import numpy as np
 import torch
 
+import optimisers
 from nets.deepsd import ConcatenatedPsi, Sizes, gather_mean, pose_features
 from train_deepsd import RUNS, DeePSD
 from training_data import DATA, BodyBank, Sample, load_samples
+
+RATE = 4e-3
+#: First and last matrix.
+OUTER = ("net.0.weight", "net.6.weight")
 
 
 @torch.no_grad()
@@ -32,13 +37,12 @@ def target(net: DeePSD, sample: Sample, pose: torch.Tensor, shape: torch.Tensor)
 
 
 def learn(net: DeePSD, concat: ConcatenatedPsi, samples: list[Sample], bank: BodyBank, minutes: float) -> float:
-    """Adam on the mean squared offset error; returns the mean relative error of the last hundred steps."""
+    """Muon and Adam on the mean squared offset error; returns the mean relative error of the last hundred steps."""
     rng = np.random.default_rng(0)
-    optimiser = torch.optim.Adam(concat.parameters(), lr=1e-3)
+    tools = optimisers.muon_and_adam(concat, RATE, OUTER)
     started, errors = time.time(), []
     while (progress := (time.time() - started) / (60 * minutes)) < 1:
-        for group in optimiser.param_groups:
-            group["lr"] = 1e-3 * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
+        optimisers.set_rate(tools, RATE * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress))))
         sample, entry = samples[rng.integers(len(samples))], bank.entries[rng.integers(len(bank.entries))]
         poses = torch.as_tensor(rng.choice(len(entry.vertices), 4, replace=False))
         pose = pose_features(entry.transforms[poses], bank.parents)
@@ -47,8 +51,7 @@ def learn(net: DeePSD, concat: ConcatenatedPsi, samples: list[Sample], bank: Bod
         got = torch.stack([concat(descriptors[rows], p[None], entry.shape[None]) for p in pose])
         loss = (got - offsets[:, rows]).square().mean()
         (loss * 1e4).backward()
-        optimiser.step()
-        optimiser.zero_grad()
+        optimisers.step(tools)
         errors.append((loss / offsets.square().mean().clamp(min=1e-8)).sqrt().item())
         if len(errors) % 100 == 0:
             print(

@@ -17,14 +17,13 @@ from safetensors.numpy import save_file
 
 from body.anny_body import AnnyBody
 from body.humanoid import posed_world
-from garment import nearest
 from garment.binding import reference_surface
 from garment.graph import build, mesh_edges
 from nets.deepsd import Sizes
 from outfits.dataset import save
 from outfits.generate import generate
 from train_deepsd import DeePSD, drape
-from training_data import BodyBank, Sample, ShapedPoses, carry, load_sample, shape_vector
+from training_data import BodyBank, Sample, ShapedPoses, carry, load_sample
 
 OUT = Path(__file__).parent / "artifacts" / "golden" / "deepsd.safetensors"
 FAMILY, SEED = "tank", 3
@@ -32,19 +31,11 @@ POSES = ("walk-2", "sitting")
 SHAPE = {"gender": 1.0, "weight": 0.7, "height": 0.4}
 
 
-def reference_entry(body: AnnyBody) -> ShapedPoses:
+def reference_entry(body: AnnyBody, bank: BodyBank) -> ShapedPoses:
     """The golden body in the golden poses."""
     library = {p["id"]: p for p in json.loads((OUT.parents[1] / "poses.json").read_text())["poses"]}
     shaped = body.shape(SHAPE)
-    worlds = [posed_world(body, shaped, library[name]["rotations"]) for name in POSES]
-    vertices = torch.as_tensor(np.stack([body.pose(shaped, w) for w in worlds]), dtype=torch.float32)
-    apose = torch.as_tensor(shaped.apose_vertices, dtype=torch.float32)
-    triangles = torch.as_tensor(body.triangles)
-    transforms = np.stack([body.garment_transforms(shaped, w) for w in worlds])
-    return ShapedPoses(
-        shape_vector(body, SHAPE, {}), apose, nearest.vertex_normals(apose[None], triangles)[0],
-        torch.as_tensor(transforms, dtype=torch.float32), vertices, nearest.vertex_normals(vertices, triangles),
-    )  # fmt: skip
+    return bank.entry(body, (SHAPE, {}), [posed_world(body, shaped, library[name]["rotations"]) for name in POSES])
 
 
 def small_bank(body: AnnyBody) -> BodyBank:
@@ -56,7 +47,8 @@ def small_bank(body: AnnyBody) -> BodyBank:
 
 def tensors(net: DeePSD, sample: Sample, raw: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     body = AnnyBody.load()
-    bank, entry = small_bank(body), reference_entry(body)
+    bank = small_bank(body)
+    entry = reference_entry(body, bank)
     graph = build(
         raw["vertices"].astype(np.float64), raw["triangles"].astype(np.int64), raw["garment"].astype(np.int64)
     )

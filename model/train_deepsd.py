@@ -20,12 +20,13 @@ import torch
 from torch import Tensor, nn
 
 import energies
+import optimisers
 from energies import Fabric, RestMesh
 from garment import nearest
 from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
 from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, carry, load_samples
 
-#: Matrices that Adam trains: the first of each network sees features of many scales, the last ones are read out.
+#: First and last matrices of the networks.
 OUTER = ("inlet.weight", "omega.2.weight", "psi.2.weight", "coefficients.net.4.weight")
 #: Outfits of kinds never trained on that a checkpoint is measured on: two of each.
 VALIDATION_OUTFITS = 12
@@ -186,32 +187,20 @@ class Settings:
     start: float = 0.0  # progress at which a resumed run goes on
 
 
-def make_optimisers(net: nn.Module, rate: float) -> list[torch.optim.Optimizer]:
-    """Muon for the matrices inside the networks, Adam for the rest (inlet, outlets, biases, norms)."""
-    inner = [p for name, p in net.named_parameters() if p.ndim == 2 and not name.endswith(OUTER)]
-    held = {id(p) for p in inner}
-    rest = [p for p in net.parameters() if id(p) not in held]
-    muon = torch.optim.Muon(inner, lr=rate, weight_decay=0.0, adjust_lr_fn="match_rms_adamw")
-    return [torch.optim.Adam(rest, lr=rate, betas=(0.9, 0.98)), muon]
-
-
 def learn(
     net: DeePSD, train: OutfitPool, validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path
 ) -> None:
     """The training loop: Muon and Adam, cosine rate, running average of the weights, log lines and checkpoints."""
     rng = np.random.default_rng(s.seed)
-    optimisers = make_optimisers(net, s.rate)
+    tools = optimisers.muon_and_adam(net, s.rate, OUTER)
     average = torch.optim.swa_utils.AveragedModel(net, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.998))
     started, history, count = time.time(), [], 0
     while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
         rate = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
-        for group in (g for o in optimisers for g in o.param_groups):
-            group["lr"] = rate
+        optimisers.set_rate(tools, rate)
         history += [step(net, train.samples, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
-        for optimiser in optimisers:
-            optimiser.step()
-            optimiser.zero_grad()
+        optimisers.step(tools)
         average.update_parameters(net)
         count += 1
         if count % 100 == 0:

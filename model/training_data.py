@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from torch import Tensor
 
 from body.anny_body import AnnyBody, vertex_normals
-from body.humanoid import joint_rotations
+from body.humanoid import Rotations, joint_rotations
 from body.pose_sampling import DEMANDING, sample_poses
 from energies import RestMesh
 from garment import features, nearest
@@ -153,6 +153,10 @@ class ShapedPoses:
     normals: Tensor  # (P, V, 3)
 
 
+#: Phenotypes and local changes by name.
+ShapeValues = tuple[dict[str, float], dict[str, float]]
+
+
 class BodyBank:
     """Random adult shapes, each in random poses. Seeded."""
 
@@ -167,17 +171,19 @@ class BodyBank:
         rng = np.random.default_rng(seed)
         all_poses = sample_poses(shapes * poses, seed, DEMANDING)
         self.entries = [
-            self._entry(body, random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)
+            self.random_entry(body, random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)
         ]
 
-    def _entry(self, body: AnnyBody, values: tuple[dict[str, float], dict[str, float]], poses: list) -> ShapedPoses:
+    def random_entry(self, body: AnnyBody, values: ShapeValues, poses: list[Rotations]) -> ShapedPoses:
         shaped = body.shape(*values)
-        transforms, posed = [], []
-        for pose in poses:
-            world = body.world_from_apose(shaped, joint_rotations(body, pose))
-            transforms.append(body.garment_transforms(shaped, world))
-            posed.append(body.pose(shaped, world).astype(np.float32))
-        vertices = torch.as_tensor(np.stack(posed))
+        worlds = [body.world_from_apose(shaped, joint_rotations(body, pose)) for pose in poses]
+        return self.entry(body, values, worlds)
+
+    def entry(self, body: AnnyBody, values: ShapeValues, worlds: list[np.ndarray]) -> ShapedPoses:
+        """A shape in the poses of given world transforms of all joints."""
+        shaped = body.shape(*values)
+        transforms = [body.garment_transforms(shaped, world) for world in worlds]
+        vertices = torch.as_tensor(np.stack([body.pose(shaped, world).astype(np.float32) for world in worlds]))
         apose = torch.as_tensor(shaped.apose_vertices, dtype=torch.float32)
         maps = joint_maps(self.reference, apose, self.skin)
         return ShapedPoses(
@@ -188,7 +194,7 @@ class BodyBank:
         )  # fmt: skip
 
 
-def random_shape(rng: np.random.Generator, index: int) -> tuple[dict[str, float], dict[str, float]]:
+def random_shape(rng: np.random.Generator, index: int) -> ShapeValues:
     """Phenotypes and local changes of a random adult; the first is the reference body."""
     if index == 0:
         return {}, {}
