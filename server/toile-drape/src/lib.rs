@@ -1,5 +1,6 @@
 //! What Toile does, without HTTP and without a network runtime: outfits, static passes, drapes.
 
+pub mod arm_room;
 pub mod binding;
 pub mod error;
 pub mod evaluation;

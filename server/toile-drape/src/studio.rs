@@ -5,6 +5,7 @@ use std::sync::Arc;
 use toile_geometry::body::{Body, BodyShape, ShapedBody};
 use toile_geometry::pose::Pose;
 
+use crate::arm_room::ArmRoom;
 use crate::error::DrapeError;
 use crate::network::Networks;
 use crate::outfit::Outfit;
@@ -22,6 +23,8 @@ pub struct Studio {
     pub body: Body,
     /// The reference body's surface.
     pub reference: ReferenceBody,
+    /// What a wider body does to arms that hang.
+    pub arm_room: ArmRoom,
     /// Parents of the garment joints.
     pub garment_parents: Vec<Option<usize>>,
     /// Recently asked body shapes, half a megabyte each.
@@ -37,10 +40,12 @@ impl Studio {
     /// When the body's skeleton lacks a limb joint.
     pub fn new(body: Body) -> Result<Arc<Self>, DrapeError> {
         let reference = ReferenceBody::new(&body)?;
+        let arm_room = ArmRoom::new(&body, &body.shape(&BodyShape::default()), reference.parts.clone());
         let garment_parents = body.skeleton().garment_parents().to_vec();
         Ok(Arc::new(Self {
             body,
             reference,
+            arm_room,
             garment_parents,
             shapes: Recent::new(SHAPES),
             posed: Recent::new(POSED),

@@ -129,18 +129,19 @@ impl DrapeBody {
             Some(body) => body.shape(assets).map_err(|error| error.under("/body"))?,
             None => BodyShape::default(),
         };
-        let (poses, own_rate) = self.poses(assets)?;
+        let (poses, own_rate) = self.poses(&shape, assets)?;
         Ok(Motion { shape, poses, frame_rate: self.frame_rate.unwrap_or(own_rate) })
     }
 
     /// Poses as asked for, and the frame rate that they come with.
-    fn poses(&self, assets: &Assets) -> Result<(Vec<Pose>, f32), ApiError> {
+    fn poses(&self, shape: &BodyShape, assets: &Assets) -> Result<(Vec<Pose>, f32), ApiError> {
         if let Some(id) = &self.motion {
             let clip = assets.poses.motion(id).ok_or_else(|| {
                 let detail = format!("There is no motion named \"{id}\"; GET /v1/motions lists them.");
                 ApiError::new(Code::UnknownMotion, detail).at("/motion")
             })?;
-            let poses: Result<_, _> = clip.frames.iter().map(|frame| from_library(frame, assets)).collect();
+            let poses: Result<_, _> =
+                clip.frames.iter().map(|frame| from_library(frame, shape, assets)).collect();
             return Ok((poses?, clip.frame_rate));
         }
         let poses = match (&self.poses, &self.pose) {
@@ -148,10 +149,10 @@ impl DrapeBody {
                 .iter()
                 .enumerate()
                 .map(|(index, pose)| {
-                    pose.pose(assets).map_err(|error| error.under(&format!("/poses/{index}")))
+                    pose.pose(shape, assets).map_err(|error| error.under(&format!("/poses/{index}")))
                 })
                 .collect::<Result<_, _>>()?,
-            (None, Some(pose)) => vec![pose.pose(assets).map_err(|error| error.under("/pose"))?],
+            (None, Some(pose)) => vec![pose.pose(shape, assets).map_err(|error| error.under("/pose"))?],
             (None, None) => vec![Pose::identity(assets.body())],
         };
         Ok((poses, DEFAULT_FRAME_RATE))

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{Quat, Vec4};
 use serde::{Deserialize, Serialize};
+use toile_geometry::body::BodyShape;
 use toile_geometry::pose::Pose;
 use toile_geometry::poses::KeyPose;
 
@@ -37,11 +38,12 @@ impl PoseRequest {
         Self { kind: PoseKind::Preset, id: Some(id.to_owned()), rotations: None }
     }
 
-    pub(super) fn pose(&self, assets: &Assets) -> Result<Pose, ApiError> {
+    /// On a body of `shape`: presets give the arms of a wider body more room, joints are taken as they are.
+    pub(super) fn pose(&self, shape: &BodyShape, assets: &Assets) -> Result<Pose, ApiError> {
         match (self.kind, &self.id, &self.rotations) {
             (PoseKind::Preset, Some(id), None) => {
                 let preset = assets.poses.preset(id).ok_or_else(|| unknown_pose(id))?;
-                from_library(&preset.pose, assets)
+                from_library(&preset.pose, shape, assets)
             }
             (PoseKind::Joints, None, Some(rotations)) => {
                 let rotations =
@@ -71,6 +73,7 @@ fn unknown_pose(id: &str) -> ApiError {
 }
 
 /// Poses of the library were checked when it was read.
-pub(super) fn from_library(pose: &KeyPose, assets: &Assets) -> Result<Pose, ApiError> {
-    pose.to_pose(assets.body()).map_err(ApiError::internal)
+pub(super) fn from_library(pose: &KeyPose, shape: &BodyShape, assets: &Assets) -> Result<Pose, ApiError> {
+    let pose = pose.to_pose(assets.body()).map_err(ApiError::internal)?;
+    Ok(assets.studio.arm_room.given(assets.body(), &assets.shaped(shape), pose))
 }
