@@ -146,12 +146,13 @@ bench: build
 	$(TOILE) bench
 
 train: $(MODEL_TOOLS)
-	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 600 --validation 60 --out data/outfits
+	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 640 --validation 60 --out data/outfits
 	cd model && ../$(MODEL_VENV)/bin/python -m train_deepsd
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
 
 export: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m export
+	cd model && ../$(MODEL_VENV)/bin/python -m goldens_deepsd
 
 clean:
 	rm -rf target $(VENV) $(MODEL_VENV) web/dist web/node_modules tests/validator/node_modules tests/browser/node_modules

@@ -1,4 +1,4 @@
-"""Write training and validation outfits: `python -m outfits.dataset --count 600 --validation 60 --out data/outfits`.
+"""Write training and validation outfits: `python -m outfits.dataset --count 640 --validation 60 --out data/outfits`.
 
 One `.npz` per outfit: vertices (N, 3) f32 in rest space, triangles (M, 3) i32, garment (N,) u8 (index into
 garment_names, innermost first), garment_names, family, seed, body (JSON: phenotypes and local changes).
@@ -73,7 +73,7 @@ def _turn(i: int) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=600)
+    parser.add_argument("--count", type=int, default=640)
     parser.add_argument("--validation", type=int, default=60)
     parser.add_argument("--out", type=Path, default=Path("data/outfits"))
     parser.add_argument("--workers", type=int, default=2)
