@@ -25,7 +25,7 @@ BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
 .PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools \
-	test-rust test-python test-web test-e2e test-browser thumbnails chromium
+	test-rust test-python test-web test-e2e test-browser thumbnails pictures chromium
 
 help:
 	@echo "make run         serve on http://$(LISTEN), with everything set up first"
@@ -37,6 +37,7 @@ help:
 	@echo "make train       generate outfits and train the networks"
 	@echo "make export      write the trained networks as ONNX"
 	@echo "make thumbnails  draw the pictures of the demo outfits again"
+	@echo "make pictures    draw the README's pictures again"
 	@echo "make clean       remove everything that was built (not $(DATA)/)"
 
 # Large blocks go back to the system: glibc would keep what every static pass freed, a third of the memory.
@@ -131,6 +132,9 @@ test-browser: build chromium $(BROWSER_MODULES)
 thumbnails: build chromium $(BROWSER_MODULES)
 	rm -f model/artifacts/gallery/*.png
 	tests/with-server.sh $(TOILE) node tests/browser/draw_thumbnails.js
+
+pictures: build chromium $(BROWSER_MODULES)
+	tests/with-server.sh $(TOILE) node tests/browser/draw_pictures.js
 
 chromium:
 	@command -v chromium >/dev/null || { \
