@@ -100,11 +100,12 @@ def weight_change(x: Tensor, up: Tensor, borne: Tensor, area: Tensor, fabric: Fa
     """Potential of gravity beyond what the rest pose already bears.
 
     up (P, N, 3): where skinning turns each vertex's rest +Y; borne (N,): share of its weight that the skin
-    under it carries at rest. Cloth on the body is drawn lying there, so gravity acts on it only as far as its
-    direction changes in the cloth's own frame: an upright shirt does not sag further. Cloth that hangs
-    free feels it whole.
+    under it carries at rest. Cloth on the body is drawn lying there: what bore it along its own up still bears
+    gravity's component along it, so that an upright shirt does not sag further and a raised one falls.
+    Cloth that hangs free feels gravity whole.
     """
-    load = torch.tensor([0.0, 1.0, 0.0]) - borne[:, None] * up
+    support = borne[:, None] * up[..., 1:2].clamp(min=0) * up
+    load = torch.tensor([0.0, 1.0, 0.0]) - support
     return (fabric.density * fabric.gravity * (load * x).sum(-1) * area).sum(1).mean() / area.sum()
 
 

@@ -1,5 +1,7 @@
 //! Preset poses on bodies wider than the one they were drawn on.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
