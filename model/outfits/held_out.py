@@ -1,7 +1,6 @@
 """Write outfits of the kinds that training never sees as OBJ, for `toile evaluate`.
 
 python -m outfits.held_out --count 8 --out data/held_out
-python -m outfits.held_out --count 5 --densities 400 1600 6400 --out data/densities   # the same outfits, finer
 """
 
 from __future__ import annotations
@@ -30,16 +29,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=8)
     parser.add_argument("--out", type=Path, default=Path("data/held_out"))
-    parser.add_argument("--densities", type=int, nargs="*", help="vertices per square metre; by default the seed's own")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     families = list(VALIDATION)
     for i in range(args.count):
-        for density in args.densities or [None]:
-            outfit = generate(VALIDATION_SEED + i, families[i % len(families)], vertices=density)
-            path = args.out / f"{i:02d}_{outfit.family}{f'_{density}' if density else ''}.obj"
-            write_obj(outfit, path)
-            print(path, flush=True)
+        outfit = generate(VALIDATION_SEED + i, families[i % len(families)])
+        path = args.out / f"{i:02d}_{outfit.family}.obj"
+        write_obj(outfit, path)
+        print(path, flush=True)
 
 
 if __name__ == "__main__":
