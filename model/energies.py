@@ -29,6 +29,8 @@ class Fabric:
     thickness: float = 0.004  # m, distance kept from the skin
     least: float = 0.0025  # m, distance kept by cloth that rests nearer
     gravity: float = 9.81  # m/s2
+    friction: float = 40.0  # N/m3, resistance to slip where the skin faces up
+    resting: float = 0.06  # m from the skin within which cloth rests on it
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,18 @@ def weight_change(x: Tensor, up: Tensor, borne: Tensor, area: Tensor, fabric: Fa
     support = borne[:, None] * up[..., 1:2].clamp(min=0) * up
     load = torch.tensor([0.0, 1.0, 0.0]) - support
     return (fabric.density * fabric.gravity * (load * x).sum(-1) * area).sum(1).mean() / area.sum()
+
+
+def friction(slip: Tensor, normals: Tensor, distance: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
+    """Cloth that rests on the body stays where it lies: a lap carries a skirt, shoulders carry a shirt.
+
+    slip (P, N, 3): displacement from where skinning puts the cloth; normals (P, N, 3) and distance (P, N) of the
+    skin nearest to it. The pressure of cloth on skin grows with the upward share of the normal and fades with
+    distance; only slip along the skin counts.
+    """
+    along = slip - (slip * normals).sum(-1, keepdim=True) * normals
+    pressure = normals[..., 1].clamp(min=0) * torch.exp(-distance.clamp(min=0) / fabric.resting)
+    return (fabric.friction * pressure * along.square().sum(-1) * area).sum(1).mean() / area.sum()
 
 
 def hold(offset: Tensor, grip: Tensor, area: Tensor) -> Tensor:

@@ -64,6 +64,7 @@ class Draped:
     rest: Tensor  # (N, 3)
     offset: Tensor  # (P, N, 3) rest space
     posed: Tensor  # (P, N, 3) world
+    slip: Tensor  # (P, N, 3) world, what the offset moves each vertex by
     up: Tensor  # (P, N, 3) where the rest +Y of each vertex turns to
     node_weights: Tensor  # (M, 36)
 
@@ -78,25 +79,36 @@ def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: 
     offset = torch.einsum("nkr,pr->pnk", basis, coefficients)
     weight, joint = top_four(spread(node_weights))
     posed, up = skin(rest + offset, weight, joint, transforms)
-    return Draped(rest, offset, posed, up, node_weights)
+    slip = posed - skin(rest.expand_as(offset), weight, joint, transforms)[0]
+    return Draped(rest, offset, posed, slip, up, node_weights)
 
 
-def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> dict[str, Tensor]:
-    """Clearances (P, N) to the body and (P, Q) of outer garments to inner ones."""
+@dataclass(frozen=True)
+class Contacts:
+    """What the cloth touches, (P poses, N vertices)."""
+
+    body: Tensor  # (P, N) clearance to the skin
+    normal: Tensor  # (P, N, 3) of the skin nearest to each vertex
+    layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
+
+
+def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Contacts:
+    """Clearances to the body and of outer garments to inner ones."""
     surface, normals = entry.vertices[poses], entry.normals[poses]
     hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
-    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), nearest.surface_at(normals, hit))
-    out = {"body": body}
+    normal = nearest.surface_at(normals, hit)
+    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), normal)
+    layer = None
     if len(sample.outer):
         cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
         x = d.posed[:, sample.outer]
         best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
-        out["layer"] = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
-    return out
+        layer = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
+    return Contacts(body, normal, layer)
 
 
 def losses(
-    d: Draped, mesh: RestMesh, clearances: dict[str, Tensor], sample: Sample, schedule: Schedule, progress: float
+    d: Draped, mesh: RestMesh, contacts: Contacts, sample: Sample, schedule: Schedule, progress: float
 ) -> dict[str, Tensor]:
     """Every energy of a step, J/m2 (means over poses)."""
     fabric = Fabric()
@@ -111,39 +123,40 @@ def losses(
     out = {
         "stretch": energies.stretch(d.posed, mesh, fabric),
         "bend": energies.bending(d.posed, mesh, fabric),
-        "contact": energies.contact(clearances["body"], margin, mesh.area, fabric),
+        "contact": energies.contact(contacts.body, margin, mesh.area, fabric),
         "gravity": energies.weight_change(d.posed, d.up, borne, mesh.area, fabric),
         "hold": energies.hold(d.offset, grip, mesh.area),
+        "friction": energies.friction(d.slip, contacts.normal, contacts.body.detach(), mesh.area, fabric),
         "prior": schedule.prior_at(progress) * (held * divergence).mean(),
         "smooth": schedule.smooth_weights * rough,
     }
-    if "layer" in clearances:
+    if contacts.layer is not None:
         gap = sample.layer_gap.clamp(max=0.003)
         share = mesh.area[sample.outer]
-        out["layer"] = energies.contact(clearances["layer"], gap, share, fabric) * share.sum() / mesh.area.sum()
+        out["layer"] = energies.contact(contacts.layer, gap, share, fabric) * share.sum() / mesh.area.sum()
     return out
 
 
 @torch.no_grad()
-def measures(d: Draped, mesh: RestMesh, clearances: dict[str, Tensor]) -> dict[str, float]:
+def measures(d: Draped, mesh: RestMesh, contacts: Contacts) -> dict[str, float]:
     """The metrics of DESIGN section 9 that need no teacher."""
     length = energies.edge_lengths(d.posed, mesh.edges)
     stretch = (length / mesh.length).flatten()
     out = {
-        "penetration_percent": 100 * (clearances["body"] < 0).float().mean().item(),
+        "penetration_percent": 100 * (contacts.body < 0).float().mean().item(),
         "edge_mm": 1000 * (length - mesh.length).abs().mean().item(),
         "edge_percent": 100 * (stretch - 1).abs().mean().item(),
         "stretch_p999": stretch.kthvalue(int(0.999 * len(stretch))).values.item(),
         "offset_mm": 1000 * d.offset.norm(dim=-1).mean().item(),
     }
-    if "layer" in clearances:
-        out["layer_percent"] = 100 * (clearances["layer"] < 0).float().mean().item()
+    if contacts.layer is not None:
+        out["layer_percent"] = 100 * (contacts.layer < 0).float().mean().item()
     return out
 
 
 def run_one(
     net: DeePSD, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor
-) -> tuple[Draped, RestMesh, dict[str, Tensor]]:
+) -> tuple[Draped, RestMesh, Contacts]:
     rest, mesh = carry(sample, bank, entry)
     d = drape(net, sample, rest, entry, poses, bank.parents)
     return d, mesh, contact_terms(d, sample, bank, entry, poses)
@@ -155,8 +168,8 @@ def validate(net: DeePSD, samples: list[Sample], bank: BodyBank) -> dict[str, fl
     rows = []
     for i, sample in enumerate(samples):
         entry = bank.entries[i % len(bank.entries)]
-        d, mesh, clearances = run_one(net, sample, bank, entry, torch.arange(len(entry.vertices)))
-        rows.append(measures(d, mesh, clearances))
+        d, mesh, contacts = run_one(net, sample, bank, entry, torch.arange(len(entry.vertices)))
+        rows.append(measures(d, mesh, contacts))
     return {k: float(np.mean([r[k] for r in rows if k in r])) for k in sorted({k for r in rows for k in r})}
 
 
@@ -167,11 +180,11 @@ def step(
     sample = samples[rng.integers(len(samples))]
     entry = bank.entries[rng.integers(len(bank.entries))]
     chosen = torch.as_tensor(rng.choice(len(entry.vertices), poses, replace=False))
-    d, mesh, clearances = run_one(net, sample, bank, entry, chosen)
-    terms = losses(d, mesh, clearances, sample, Schedule(), progress)
+    d, mesh, contacts = run_one(net, sample, bank, entry, chosen)
+    terms = losses(d, mesh, contacts, sample, Schedule(), progress)
     total = torch.stack(list(terms.values())).sum()
     total.backward()
-    return {k: v.item() for k, v in terms.items()} | measures(d, mesh, clearances)
+    return {k: v.item() for k, v in terms.items()} | measures(d, mesh, contacts)
 
 
 @dataclass(frozen=True)

@@ -84,8 +84,8 @@ def test_a_tiny_run_lowers_the_energy(outfits: Path, bank: BodyBank, tmp_path: P
 def test_gradients_reach_every_parameter(sample: Sample, bank: BodyBank) -> None:
     net = DeePSD(Sizes())
     torch.nn.init.normal_(net.static.omega[2].weight, std=0.01)
-    draped, _, clearances = run_one(net, sample, bank, bank.entries[1], torch.arange(2))
-    (draped.posed.square().sum() + draped.node_weights.square().sum() + clearances["body"].sum()).backward()
+    draped, _, contacts = run_one(net, sample, bank, bank.entries[1], torch.arange(2))
+    (draped.posed.square().sum() + draped.node_weights.square().sum() + contacts.body.sum()).backward()
     idle = [name for name, p in net.named_parameters() if p.grad is None or p.grad.abs().max() == 0]
     # Coefficients are taken less those at rest, so their last bias cancels.
     assert idle == ["coefficients.net.4.bias"]

@@ -96,7 +96,20 @@ def test_gravity_acts_on_hanging_cloth_and_not_on_cloth_that_lies_as_drawn() -> 
     assert energies.weight_change(x, up, torch.ones(5), area, FABRIC).abs().item() < 1e-9
     falling = energies.weight_change(x - torch.tensor([0.0, 0.1, 0.0]), up, torch.zeros(5), area, FABRIC)
     still = energies.weight_change(x, up, torch.zeros(5), area, FABRIC)
+    lying = torch.tensor([0.0, 0.0, -1.0]).expand(2, 5, 3)
+    turned = energies.weight_change(x, lying, torch.ones(5), area, FABRIC)
+    assert turned.item() == pytest.approx(still.item(), rel=1e-5), "a support that points sideways bears nothing"
     assert (still - falling).item() == pytest.approx(0.1 * FABRIC.density * FABRIC.gravity, rel=1e-3)
+
+
+def test_friction_holds_cloth_on_a_lap_and_lets_it_fall_elsewhere() -> None:
+    area, near = torch.ones(1), torch.zeros(1, 1)
+    up, down = torch.tensor([[[0.0, 1.0, 0.0]]]), torch.tensor([[[0.0, -1.0, 0.0]]])
+    slip, fall = torch.tensor([[[0.1, 0.0, 0.0]]]), torch.tensor([[[0.0, -0.1, 0.0]]])
+    assert energies.friction(slip, up, near, area, FABRIC).item() == pytest.approx(0.01 * FABRIC.friction, rel=1e-5)
+    assert energies.friction(fall, up, near, area, FABRIC).item() == 0
+    assert energies.friction(slip, down, near, area, FABRIC).item() == 0
+    assert energies.friction(slip, up, near + 1, area, FABRIC).item() < 1e-6
 
 
 @pytest.mark.parametrize("name", ["stretch", "bending"])
