@@ -115,7 +115,7 @@ def friction(slip: Tensor, normals: Tensor, distance: Tensor, area: Tensor, fabr
     """Cloth that rests on the body stays where it lies: a lap carries a skirt, shoulders carry a shirt.
 
     slip (P, N, 3): displacement from where skinning puts the cloth; normals (P, N, 3) and distance (P, N) of the
-    skin nearest to it. The pressure of cloth on skin grows with the upward share of the normal and fades with
+    skin nearest to that place. The pressure of cloth on skin grows with the upward share of the normal and fades with
     distance; only slip along the skin counts.
     """
     along = slip - (slip * normals).sum(-1, keepdim=True) * normals

@@ -64,7 +64,7 @@ class Draped:
     rest: Tensor  # (N, 3)
     offset: Tensor  # (P, N, 3) rest space
     posed: Tensor  # (P, N, 3) world
-    slip: Tensor  # (P, N, 3) world, what the offset moves each vertex by
+    skinned: Tensor  # (P, N, 3) world, without the offset
     up: Tensor  # (P, N, 3) where the rest +Y of each vertex turns to
     node_weights: Tensor  # (M, 36)
 
@@ -79,8 +79,8 @@ def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: 
     offset = torch.einsum("nkr,pr->pnk", basis, coefficients)
     weight, joint = top_four(spread(node_weights))
     posed, up = skin(rest + offset, weight, joint, transforms)
-    slip = posed - skin(rest.expand_as(offset), weight, joint, transforms)[0]
-    return Draped(rest, offset, posed, slip, up, node_weights)
+    skinned, _ = skin(rest.expand_as(offset), weight, joint, transforms)
+    return Draped(rest, offset, posed, skinned, up, node_weights)
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,8 @@ class Contacts:
     """What the cloth touches, (P poses, N vertices)."""
 
     body: Tensor  # (P, N) clearance to the skin
-    normal: Tensor  # (P, N, 3) of the skin nearest to each vertex
+    lap: Tensor  # (P, N, 3) normal of the skin under each vertex where skinning puts it
+    lap_distance: Tensor  # (P, N) distance to it
     layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
 
 
@@ -96,15 +97,17 @@ def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses,
     """Clearances to the body and of outer garments to inner ones."""
     surface, normals = entry.vertices[poses], entry.normals[poses]
     hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
-    normal = nearest.surface_at(normals, hit)
-    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), normal)
+    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), nearest.surface_at(normals, hit))
+    under = nearest.nearest(d.skinned.detach(), surface, sample.candidates, bank.ring)
+    lap = nearest.surface_at(normals, under)
+    lap_distance = energies.clearance(d.skinned.detach(), nearest.surface_at(surface, under), lap)
     layer = None
     if len(sample.outer):
         cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
         x = d.posed[:, sample.outer]
         best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
         layer = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
-    return Contacts(body, normal, layer)
+    return Contacts(body, lap, lap_distance, layer)
 
 
 def losses(
@@ -126,7 +129,7 @@ def losses(
         "contact": energies.contact(contacts.body, margin, mesh.area, fabric),
         "gravity": energies.weight_change(d.posed, d.up, borne, mesh.area, fabric),
         "hold": energies.hold(d.offset, grip, mesh.area),
-        "friction": energies.friction(d.slip, contacts.normal, contacts.body.detach(), mesh.area, fabric),
+        "friction": energies.friction(d.posed - d.skinned, contacts.lap, contacts.lap_distance, mesh.area, fabric),
         "prior": schedule.prior_at(progress) * (held * divergence).mean(),
         "smooth": schedule.smooth_weights * rough,
     }
