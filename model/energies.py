@@ -91,11 +91,14 @@ def clearance(x: Tensor, points: Tensor, normals: Tensor) -> Tensor:
     return ((x - points) * normals).sum(-1)
 
 
-def contact(distance: Tensor, margin: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
-    """Collision term, equation 12 squared: distance (P, N) below margin (N,) is penalised, linearly beyond `deep`."""
+def contact(distance: Tensor, margin: Tensor, area: Tensor, fabric: Fabric, share: Tensor | float = 1.0) -> Tensor:
+    """Collision term, equation 12 squared: distance (P, N) below margin (N,) is penalised, linearly beyond `deep`.
+
+    share (P, N): how much each vertex counts.
+    """
     depth = (margin - distance).clamp(min=0)
     near = depth.clamp(max=fabric.deep)
-    return (fabric.contact * near * (2 * depth - near) * area).sum(1).mean() / area.sum()
+    return (fabric.contact * near * (2 * depth - near) * share * area).sum(1).mean() / area.sum()
 
 
 def weight_change(x: Tensor, up: Tensor, borne: Tensor, area: Tensor, fabric: Fabric) -> Tensor:

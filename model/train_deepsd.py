@@ -40,6 +40,7 @@ class Schedule:
     prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
     free: float = 0.1  # share of the prior that hanging cloth keeps
     smooth_weights: float = 2.0
+    pinched: float = 0.02  # share of the contact that counts in a fold of the body, which the resolve opens
     keep: float = 15.0  # N/m3, offsets of cloth on the body; a tenth where it hangs free
     hang: float = 0.03  # m from the skin where cloth begins to hang
     grip: float = 400.0  # N/m3, offsets of cloth on the skin
@@ -88,6 +89,7 @@ class Contacts:
     """What the cloth touches, (P poses, N vertices)."""
 
     body: Tensor  # (P, N) clearance to the skin
+    pinched: Tensor  # (P, N) nearest to a fold of the body that leaves cloth no room
     lap: Tensor  # (P, N, 3) normal of the skin under each vertex where skinning puts it
     lap_distance: Tensor  # (P, N) distance to it
     layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
@@ -107,7 +109,7 @@ def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses,
         x = d.posed[:, sample.outer]
         best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
         layer = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
-    return Contacts(body, lap, lap_distance, layer)
+    return Contacts(body, entry.pinched[poses].gather(1, hit), lap, lap_distance, layer)
 
 
 def losses(
@@ -120,13 +122,14 @@ def losses(
     borne = torch.exp(-distance / schedule.hang)
     grip = schedule.keep * (0.1 + borne) + schedule.grip * torch.exp(-distance / 0.008)
     prior, edges = sample.prior.clamp(min=1e-4), sample.graph.near
+    share = torch.where(contacts.pinched, schedule.pinched, 1.0)
     divergence = (d.node_weights * (d.node_weights.clamp(min=1e-6).log() - prior.log())).sum(1)
     held = schedule.free + (1 - schedule.free) * torch.exp(-sample.node_distance / schedule.hang)
     rough = ((d.node_weights[edges] - d.node_weights[:, None]).square().sum(2) * (sample.graph.near_weight > 0)).mean()
     out = {
         "stretch": energies.stretch(d.posed, mesh, fabric),
         "bend": energies.bending(d.posed, mesh, fabric),
-        "contact": energies.contact(contacts.body, margin, mesh.area, fabric),
+        "contact": energies.contact(contacts.body, margin, mesh.area, fabric, share),
         "gravity": energies.weight_change(d.posed, d.up, borne, mesh.area, fabric),
         "hold": energies.hold(d.offset, grip, mesh.area),
         "friction": energies.friction(d.posed - d.skinned, contacts.lap, contacts.lap_distance, mesh.area, fabric),

@@ -15,7 +15,7 @@ from body.anny_body import AnnyBody, vertex_normals
 from body.humanoid import Rotations, joint_rotations
 from body.pose_sampling import DEMANDING, sample_poses
 from energies import RestMesh
-from garment import features, nearest
+from garment import features, folds, nearest
 from garment.binding import bind, reference_surface
 from garment.carry import MARGIN, blend, joint_maps, push_out, smoothed
 from garment.graph import build, mesh_edges
@@ -151,6 +151,7 @@ class ShapedPoses:
     transforms: Tensor  # (P, 36, 3, 4)
     vertices: Tensor  # (P, V, 3)
     normals: Tensor  # (P, V, 3)
+    pinched: Tensor  # (P, V) where the body meets itself and leaves cloth no room
 
 
 #: Phenotypes and local changes by name.
@@ -184,13 +185,15 @@ class BodyBank:
         shaped = body.shape(*values)
         transforms = [body.garment_transforms(shaped, world) for world in worlds]
         vertices = torch.as_tensor(np.stack([body.pose(shaped, world).astype(np.float32) for world in worlds]))
+        normals = nearest.vertex_normals(vertices, self.triangles)
         apose = torch.as_tensor(shaped.apose_vertices, dtype=torch.float32)
         maps = joint_maps(self.reference, apose, self.skin)
         return ShapedPoses(
             shape_vector(body, *values), apose, nearest.vertex_normals(apose[None], self.triangles)[0],
             maps, apose - blend(maps, self.reference, self.skin),
             torch.as_tensor(np.stack(transforms), dtype=torch.float32), vertices,
-            nearest.vertex_normals(vertices, self.triangles),
+            normals, torch.as_tensor(np.stack([folds.pinched(v, n) for v, n in zip(vertices.numpy(), normals.numpy(),
+                                                                                  strict=True)])),
         )  # fmt: skip
 
 

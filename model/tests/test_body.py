@@ -9,7 +9,7 @@ import pytest
 from safetensors import safe_open
 
 from body import quaternions as qt
-from body.anny_body import AnnyBody
+from body.anny_body import AnnyBody, vertex_normals
 from body.clearance import Clearance, sample_bodies
 from body.humanoid import joint_rotations, posed_world, split
 from body.measure_solver import solve
@@ -18,6 +18,7 @@ from body.pose_sampling import sample_pose, sample_poses
 from body.poses import OUT as POSES
 from body.poses import build
 from body.walk import FRAMES, STANCE, STEP, ankle, knee_bends
+from garment.folds import pinched
 
 GOLDEN = POSES.parent / "golden" / "body.safetensors"
 PRESETS = {"a-pose", "t-pose", "standing", "contrapposto", "hands-on-hips", "arms-up", "sitting", "squat", "reach"}
@@ -299,3 +300,11 @@ def test_asking_for_nothing_gives_the_reference_body(body: AnnyBody, tape: Tape)
 def test_an_unknown_measurement_is_refused(body: AnnyBody, tape: Tape) -> None:
     with pytest.raises(ValueError, match="shoe"):
         solve(body, tape, {"shoe": 42.0})
+
+
+def test_a_squat_pinches_the_body_and_an_upright_pose_hardly(body: AnnyBody, poses: dict) -> None:
+    shaped, counts = body.shape(), {}
+    for pose in (p for p in poses["poses"] if p["id"] in ("a-pose", "squat")):
+        posed = body.pose(shaped, posed_world(body, shaped, pose["rotations"]))
+        counts[pose["id"]] = int(pinched(posed, vertex_normals(posed, body.triangles)).sum())
+    assert counts["squat"] > 50 > 10 * counts["a-pose"], counts

@@ -15,7 +15,7 @@ const LOOKS = [
   { outfit: "Flannel", pose: "hands-on-hips", body: { height: "185", waist: "94" } },
   { outfit: "Evening gown", pose: "look-back", body: { height: "176" } },
   { outfit: "Striped", pose: "wave", body: { height: "170", waist: "98", hip: "112" } },
-  { outfit: "Tank top", pose: "sitting", body: { height: "165" } },
+  { outfit: "Tank top", pose: "walk-3", body: { height: "165" } },
   { outfit: "Shirt and tie", pose: "reach", body: { height: "180" } },
 ];
 
