@@ -40,7 +40,7 @@ help:
 	@echo "make pictures    draw the README's pictures again"
 	@echo "make clean       remove everything that was built (not $(DATA)/)"
 
-# Large blocks go back to the system: glibc would keep what every static pass freed, a third of the memory.
+# Large blocks go back to the system: glibc would keep what every static pass freed, a tenth of the memory.
 run: export MALLOC_MMAP_THRESHOLD_ = 131072
 run: export MALLOC_TRIM_THRESHOLD_ = 131072
 run: build
