@@ -1,7 +1,9 @@
 """Draw every outfit of a running server in every preset pose on three bodies, to judge by eye.
 
     pip install pyvista trimesh
-    python -m contact_sheet --server http://127.0.0.1:8080 --out ../docs/pictures
+    xvfb-run -a python -m contact_sheet --server http://127.0.0.1:8080 --out ../docs/pictures
+
+xvfb-run (Debian's xvfb) is for machines without a display.
 
 Writes contact-sheet-{slim,average,heavy}.jpg: a row an outfit, a column a pose. Only what the service
 answers is drawn: the GLBs of POST /v1/drapes.

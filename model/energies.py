@@ -55,8 +55,7 @@ def stretch(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
     """Edge term: equation 10 of DeePSD as springs that lock when long and buckle when short.
 
     Cloth under compression folds at a small constant load. Folds finer than a node cannot be drawn by the
-    network, so their shortening is left to the edges (tension field theory); without it a flared skirt
-    is as stiff as a lampshade.
+    network, so their shortening is left to the edges (tension field theory).
     """
     strain = edge_lengths(x, mesh.edges) / mesh.length - 1
     longer, shorter = strain.clamp(min=0), (-strain).clamp(min=0)

@@ -35,7 +35,8 @@ def reference_entry(body: AnnyBody, bank: BodyBank) -> ShapedPoses:
     """The golden body in the golden poses."""
     library = {p["id"]: p for p in json.loads((OUT.parents[1] / "poses.json").read_text())["poses"]}
     shaped = body.shape(SHAPE)
-    return bank.entry(body, (SHAPE, {}), [posed_world(body, shaped, library[name]["rotations"]) for name in POSES])
+    worlds = [posed_world(body, shaped, library[name]["rotations"]) for name in POSES]
+    return bank.entry(body, (SHAPE, {}), shaped, worlds)
 
 
 def small_bank(body: AnnyBody) -> BodyBank:

@@ -11,7 +11,7 @@ import torch
 from scipy.spatial import cKDTree
 from torch import Tensor
 
-from body.anny_body import AnnyBody, vertex_normals
+from body.anny_body import AnnyBody, ShapedBody, vertex_normals
 from body.humanoid import Rotations, joint_rotations
 from body.pose_sampling import DEMANDING, sample_poses
 from energies import RestMesh
@@ -178,22 +178,21 @@ class BodyBank:
     def random_entry(self, body: AnnyBody, values: ShapeValues, poses: list[Rotations]) -> ShapedPoses:
         shaped = body.shape(*values)
         worlds = [body.world_from_apose(shaped, joint_rotations(body, pose)) for pose in poses]
-        return self.entry(body, values, worlds)
+        return self.entry(body, values, shaped, worlds)
 
-    def entry(self, body: AnnyBody, values: ShapeValues, worlds: list[np.ndarray]) -> ShapedPoses:
-        """A shape in the poses of given world transforms of all joints."""
-        shaped = body.shape(*values)
+    def entry(self, body: AnnyBody, values: ShapeValues, shaped: ShapedBody, worlds: list[np.ndarray]) -> ShapedPoses:
+        """The body shaped by `values` in the poses of given world transforms of all joints."""
         transforms = [body.garment_transforms(shaped, world) for world in worlds]
         vertices = torch.as_tensor(np.stack([body.pose(shaped, world).astype(np.float32) for world in worlds]))
         normals = nearest.vertex_normals(vertices, self.triangles)
+        pinched = [folds.pinched(v, n) for v, n in zip(vertices.numpy(), normals.numpy(), strict=True)]
         apose = torch.as_tensor(shaped.apose_vertices, dtype=torch.float32)
         maps = joint_maps(self.reference, apose, self.skin)
         return ShapedPoses(
             shape_vector(body, *values), apose, nearest.vertex_normals(apose[None], self.triangles)[0],
             maps, apose - blend(maps, self.reference, self.skin),
             torch.as_tensor(np.stack(transforms), dtype=torch.float32), vertices,
-            normals, torch.as_tensor(np.stack([folds.pinched(v, n) for v, n in zip(vertices.numpy(), normals.numpy(),
-                                                                                  strict=True)])),
+            normals, torch.as_tensor(np.stack(pinched)),
         )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ python -m outfits.held_out --count 8 --out data/held_out
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 
 from .dataset import VALIDATION_SEED
@@ -25,15 +26,20 @@ def write_obj(outfit: OutfitMesh, path: Path) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
+def held_out(count: int) -> Iterator[tuple[int, OutfitMesh]]:
+    """Outfits of the kinds never trained on, in turn, with their numbers."""
+    families = list(VALIDATION)
+    for i in range(count):
+        yield i, generate(VALIDATION_SEED + i, families[i % len(families)])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=8)
     parser.add_argument("--out", type=Path, default=Path("data/held_out"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    families = list(VALIDATION)
-    for i in range(args.count):
-        outfit = generate(VALIDATION_SEED + i, families[i % len(families)])
+    for i, outfit in held_out(args.count):
         path = args.out / f"{i:02d}_{outfit.family}.obj"
         write_obj(outfit, path)
         print(path, flush=True)

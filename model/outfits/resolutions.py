@@ -15,10 +15,7 @@ from pathlib import Path
 import numpy as np
 import pyvista
 
-from .dataset import VALIDATION_SEED
-from .families import VALIDATION
-from .generate import generate
-from .held_out import write_obj
+from .held_out import held_out, write_obj
 from .mesh import GarmentMesh, OutfitMesh, edges_of
 
 
@@ -49,9 +46,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("data/resolutions"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    families = list(VALIDATION)
-    for i in range(args.count):
-        outfit = generate(VALIDATION_SEED + i, families[i % len(families)])
+    for i, outfit in held_out(args.count):
         for name, change in (("quarter", quarter), ("once", lambda g: g), ("four", four_times)):
             changed = OutfitMesh(outfit.family, outfit.seed, [change(g) for g in outfit.garments])
             write_obj(changed, args.out / f"{name}_{i:02d}_{outfit.family}.obj")

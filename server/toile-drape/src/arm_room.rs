@@ -1,5 +1,7 @@
 //! Room for the arms: the library's poses are drawn on the reference body, and a wider trunk needs them further out.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Quat, Vec3};
 use toile_geometry::body::{Body, BodyShape, ShapedBody};
 use toile_geometry::pose::Pose;
@@ -29,7 +31,7 @@ pub struct ArmRoom {
     arms: Vec<Arm>,
     /// Angle from the vertical at which the trunk touches a straight arm, left and right, radians.
     reference: Vec<f32>,
-    parts: Vec<Option<Part>>,
+    parts: Arc<[Option<Part>]>,
     /// How much wider recently asked bodies are, left and right, radians.
     wider: Recent<BodyShape, Vec<f32>>,
 }
@@ -37,7 +39,7 @@ pub struct ArmRoom {
 impl ArmRoom {
     /// Measures the reference body; `parts` are those of its vertices.
     #[must_use]
-    pub fn new(body: &Body, reference: &ShapedBody, parts: Vec<Option<Part>>) -> Self {
+    pub fn new(body: &Body, reference: &ShapedBody, parts: Arc<[Option<Part>]>) -> Self {
         let skeleton = body.skeleton();
         let arm = |(name, side): (&str, f32)| {
             let joint = |part: &str| skeleton.index(&format!("{part}.{name}"));
@@ -82,7 +84,7 @@ impl ArmRoom {
             let seen = part.is_some() && below > ARMPIT * length && below < length;
             seen.then(|| beside.atan2(below))
         };
-        let angles = shaped.apose_vertices.iter().zip(&self.parts).filter_map(angle);
+        let angles = shaped.apose_vertices.iter().zip(self.parts.iter()).filter_map(angle);
         angles.fold(f32::NEG_INFINITY, f32::max).clamp(-1.0, 1.0)
     }
 }

@@ -78,19 +78,13 @@ impl Links {
         index.iter().zip(weight).filter(|(_, w)| **w > 0.0).map(|(i, w)| (*i as usize, *w))
     }
 
-    /// Appends the weighted sums of `values` of every row, (rows, 3).
-    pub fn interpolate(&self, values: &[[f32; 3]], out: &mut Vec<f32>) {
-        let width = self.width.max(1);
-        let rows = self.index.chunks_exact(width).zip(self.weight.chunks_exact(width));
-        for (index, weight) in rows {
-            let mut sum = [0.0; 3];
-            for (i, w) in index.iter().zip(weight) {
-                if let Some(value) = values.get(*i as usize) {
-                    sum.iter_mut().zip(value).for_each(|(s, v)| *s += w * v);
-                }
-            }
-            out.extend_from_slice(&sum);
-        }
+    /// The weighted sum of the targets' `values` of one row.
+    #[must_use]
+    pub fn blended(&self, i: usize, values: &[Vec3]) -> Vec3 {
+        // Padding has weight 0: cheaper to add than to leave out.
+        let weight = self.weight.get(i * self.width..(i + 1) * self.width).unwrap_or(&[]);
+        let links = self.targets(i).iter().zip(weight);
+        links.fold(Vec3::ZERO, |sum, (t, w)| sum + values.get(*t as usize).copied().unwrap_or_default() * *w)
     }
 
     fn push(&mut self, row: &[(u32, f32)]) {

@@ -39,6 +39,12 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// How deep the point lies in the body, on either side of a fold, metres; 0 outside.
+    #[must_use]
+    pub fn depth(&self) -> f32 {
+        (-self.distance.min(self.across)).max(0.0)
+    }
+
     /// A point at least `away` metres from the surface, outside.
     #[must_use]
     pub const fn far(away: f32) -> Self {
@@ -102,7 +108,11 @@ impl Field<'_> {
         let nodes = self.gather(need);
         let pushed: Vec<bool> = nodes.iter().map(|n| *n != Vec3::ZERO).collect();
         let value = |v: usize| {
-            if self.vertex_from_node.reaches(v, &pushed) { self.at(&nodes, v) } else { Vec3::ZERO }
+            if self.vertex_from_node.reaches(v, &pushed) {
+                self.vertex_from_node.blended(v, &nodes)
+            } else {
+                Vec3::ZERO
+            }
         };
         (0..need.len()).map(value).collect()
     }
@@ -122,11 +132,7 @@ impl Field<'_> {
     }
 
     fn read(&self, nodes: &[Vec3], vertices: usize) -> Vec<Vec3> {
-        (0..vertices).map(|v| self.at(nodes, v)).collect()
-    }
-
-    fn at(&self, nodes: &[Vec3], v: usize) -> Vec3 {
-        self.vertex_from_node.row(v).map(|(n, w)| nodes[n] * w).fold(Vec3::ZERO, |sum, x| sum + x)
+        (0..vertices).map(|v| self.vertex_from_node.blended(v, nodes)).collect()
     }
 
     /// Mean need of each node's vertices, weighted towards the largest, then passed on to its neighbours.

@@ -1,5 +1,7 @@
 //! The reference body as outfits are bound to it: surface, limbs, and which part cloth may touch.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use thiserror::Error;
 use toile_geometry::body::{Body, BodyShape};
@@ -69,7 +71,7 @@ pub struct ReferenceBody {
     /// Edges of the surface.
     pub ring: Adjacency,
     /// Part of every vertex; none for arms, head and feet.
-    pub parts: Vec<Option<Part>>,
+    pub parts: Arc<[Option<Part>]>,
     /// For each limb the body vertices that its cloth may touch.
     pub touch: [PointTree; 5],
     /// Every body vertex.

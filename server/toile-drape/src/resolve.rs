@@ -47,7 +47,7 @@ pub fn resolve(
 ) -> Resolved {
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
-    let depth_before: Vec<f32> = skin.contacts.iter().map(|c| (-c.distance).max(0.0)).collect();
+    let depth_before: Vec<f32> = skin.contacts.iter().map(Contact::depth).collect();
     let inside_before = skin.inside();
     let coarse = coarse_triangles(outfit, statics);
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
@@ -78,7 +78,7 @@ struct SkinContact<'a> {
 impl<'a> SkinContact<'a> {
     fn new(statics: &'a StaticPass, body: &'a Collider<'a>, positions: &[Vec3]) -> Self {
         let mut first: Vec<Option<(Vec3, f32)>> = vec![None; statics.near.len()];
-        let mut at = |(v, p): (usize, &Vec3)| {
+        let at = |(v, p): (usize, &Vec3)| {
             let Some(seen) = statics.node_of(v).and_then(|node| first.get_mut(node)) else {
                 return body.contact(*p, statics.candidates_of(v));
             };
@@ -90,7 +90,7 @@ impl<'a> SkinContact<'a> {
             *seen = Some((*p, contact.away));
             contact
         };
-        Self { statics, body, contacts: positions.iter().enumerate().map(&mut at).collect() }
+        Self { statics, body, contacts: positions.iter().enumerate().map(at).collect() }
     }
 
     fn update(&mut self, v: usize, position: Vec3) {
@@ -100,7 +100,7 @@ impl<'a> SkinContact<'a> {
     }
 
     fn inside(&self) -> usize {
-        self.contacts.iter().filter(|c| c.distance.min(c.across) < 0.0).count()
+        self.contacts.iter().filter(|c| c.depth() > 0.0).count()
     }
 
     fn gap(&self, v: usize) -> f32 {

@@ -40,7 +40,7 @@ impl Studio {
     /// When the body's skeleton lacks a limb joint.
     pub fn new(body: Body) -> Result<Arc<Self>, DrapeError> {
         let reference = ReferenceBody::new(&body)?;
-        let arm_room = ArmRoom::new(&body, &body.shape(&BodyShape::default()), reference.parts.clone());
+        let arm_room = ArmRoom::new(&body, &body.shape(&BodyShape::default()), Arc::clone(&reference.parts));
         let garment_parents = body.skeleton().garment_parents().to_vec();
         Ok(Arc::new(Self {
             body,

@@ -1,6 +1,6 @@
 //! `DeePSD` (Bertiche et al. 2021) with a static basis: equation 4 with psi = basis x coefficients.
 
-use glam::{Affine3A, Mat3A, Vec3A};
+use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use toile_geometry::body::BodyShape;
 
 use super::{Method, Placement, PosedSkeleton};
@@ -45,7 +45,9 @@ impl Method for Deepsd {
             )?;
             let nodes = only("deepsd/dynamic", answer, frames.len() * width)?;
             for frame in nodes.chunks_exact(width.max(1)) {
-                statics.vertex_from_node.interpolate(frame.as_chunks().0, &mut offsets);
+                let at: Vec<Vec3> = frame.as_chunks::<3>().0.iter().map(|o| Vec3::from_array(*o)).collect();
+                let vertices = 0..statics.rest.len();
+                offsets.extend(vertices.flat_map(|v| statics.vertex_from_node.blended(v, &at).to_array()));
             }
         }
         Ok(Placement::Rest { offsets, joints: &statics.rig.joints, weights: &statics.rig.weights })
