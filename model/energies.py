@@ -16,12 +16,14 @@ from torch import Tensor
 class Fabric:
     """Constants of a light woven cloth."""
 
-    density: float = 0.2  # kg/m2
+    density: float = 0.3  # kg/m2
     stretch: float = 400.0  # N/m
     stiffening: float = 1.0  # times the stretch stiffness, added beyond `limit`
     limit: float = 0.15  # strain at which woven cloth locks
     compression: float = 0.35  # share of the stretch stiffness that resists shortening until cloth buckles
-    buckling: float = 0.02  # shortening at which it buckles: from there the force stays the same
+    buckling: float = 0.002  # shortening at which free cloth buckles: from there the force stays the same
+    confined: float = 0.05  # the same for cloth on the skin, which has room for short folds only
+    room: float = 0.015  # m from the skin over which folds grow long
     crumple: float = 0.6  # shortening at which folds touch each other
     bending: float = 3e-5  # N m
     contact: float = 4e5  # J/m4, penalty of penetration
@@ -51,15 +53,18 @@ def edge_lengths(x: Tensor, edges: Tensor) -> Tensor:
     return (x[:, edges[:, 0]] - x[:, edges[:, 1]]).square().sum(-1).add(1e-12).sqrt()
 
 
-def stretch(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
+def stretch(x: Tensor, mesh: RestMesh, distance: Tensor, fabric: Fabric) -> Tensor:
     """Edge term: equation 10 of DeePSD as springs that lock when long and buckle when short.
 
-    Cloth under compression folds at a small constant load. Folds finer than a node cannot be drawn by the
-    network, so their shortening is left to the edges (tension field theory).
+    Cloth under compression folds at a constant load, the smaller the longer its folds: small where it hangs
+    free, larger on the skin. Folds finer than a node cannot be drawn by the network, so their shortening is left
+    to the edges (tension field theory). distance (N,): of each vertex to the skin at rest.
     """
+    room = torch.exp(-distance.clamp(min=0)[mesh.edges].mean(1) / fabric.room)
+    buckling = fabric.buckling + (fabric.confined - fabric.buckling) * room
     strain = edge_lengths(x, mesh.edges) / mesh.length - 1
     longer, shorter = strain.clamp(min=0), (-strain).clamp(min=0)
-    bent = shorter.clamp(max=fabric.buckling)
+    bent = torch.minimum(shorter, buckling)
     tension = 0.5 * longer.square() + 0.5 * fabric.stiffening * (longer - fabric.limit).clamp(min=0).square()
     pressure = fabric.compression * bent * (shorter - 0.5 * bent)
     pressure = pressure + 0.5 * (shorter - fabric.crumple).clamp(min=0).square()

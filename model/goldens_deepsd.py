@@ -19,6 +19,7 @@ from body.anny_body import AnnyBody
 from body.humanoid import posed_world
 from garment.binding import reference_surface
 from garment.graph import build, mesh_edges
+from garment.refine import refined
 from nets.deepsd import Sizes
 from outfits.dataset import save
 from outfits.generate import generate
@@ -50,9 +51,8 @@ def tensors(net: DeePSD, sample: Sample, raw: dict[str, np.ndarray]) -> dict[str
     body = AnnyBody.load()
     bank = small_bank(body)
     entry = reference_entry(body, bank)
-    graph = build(
-        raw["vertices"].astype(np.float64), raw["triangles"].astype(np.int64), raw["garment"].astype(np.int64)
-    )
+    fine = refined(raw["vertices"].astype(np.float64), raw["triangles"].astype(np.int64))
+    graph = build(fine.vertices, fine.triangles, raw["garment"].astype(np.int64)[fine.origin])
     with torch.no_grad():
         rest, _ = carry(sample, bank, entry)
         draped = drape(net, sample, rest, entry, torch.arange(len(POSES)), bank.parents)

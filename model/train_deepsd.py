@@ -127,7 +127,7 @@ def losses(
     held = schedule.free + (1 - schedule.free) * torch.exp(-sample.node_distance / schedule.hang)
     rough = ((d.node_weights[edges] - d.node_weights[:, None]).square().sum(2) * (sample.graph.near_weight > 0)).mean()
     out = {
-        "stretch": energies.stretch(d.posed, mesh, fabric),
+        "stretch": energies.stretch(d.posed, mesh, sample.distance, fabric),
         "bend": energies.bending(d.posed, mesh, fabric),
         "contact": energies.contact(contacts.body, margin, mesh.area, fabric, share),
         "gravity": energies.weight_change(d.posed, d.up, borne, mesh.area, fabric),

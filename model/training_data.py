@@ -19,6 +19,7 @@ from garment import features, folds, nearest
 from garment.binding import bind, reference_surface
 from garment.carry import MARGIN, blend, joint_maps, push_out, smoothed
 from garment.graph import build, mesh_edges
+from garment.refine import refined
 from garment.rest_mesh import rest_mesh, topology
 from nets.deepsd import Graph, gather_mean, top_four
 
@@ -60,19 +61,20 @@ def prepare(path: Path) -> dict[str, np.ndarray]:
         raw["triangles"].astype(np.int64),
         raw["garment"].astype(np.int64),
     )
-    graph = build(v, t, garment)
+    fine = refined(v, t)
+    graph = build(fine.vertices, fine.triangles, garment[fine.origin]).of_first(len(v))
     binding = bind(v, graph)
     surface = reference_surface()
-    normals = vertex_normals(v, t)
+    normals = vertex_normals(fine.vertices, fine.triangles)
     out = {"vertices": v, "triangles": t, "prior": binding.prior, "candidates": binding.candidates}
-    out["features"] = features.node_features(graph, normals, binding.prior, garment, surface)
+    out["features"] = features.node_features(graph, normals, binding.prior, garment[fine.origin], surface)
     for name in Graph.__dataclass_fields__ | {"vertex_from_node": 0, "vertex_from_node_weight": 0}:
         out[name] = getattr(graph, name)
     shape = binding.shape
     out["shape_index"], out["shape_weight"] = shape.indices.reshape(len(v), -1), shape.data.reshape(len(v), -1)
     hit = cKDTree(surface.vertices).query(v)[1]
     out["distance"] = ((v - surface.vertices[hit]) * surface.normals[hit]).sum(1)
-    out["outer"], out["inner"], out["layer_gap"] = layer_tables(v, normals, garment)
+    out["outer"], out["inner"], out["layer_gap"] = layer_tables(v, vertex_normals(v, t), garment)
     return out
 
 

@@ -8,7 +8,7 @@ The server builds the same graph (`toile-drape/src/graph.rs`).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,11 @@ class OutfitGraph:
     node_from_patch_weight: Floats
     vertex_from_node: Ints  # (N, SUPPORTS)
     vertex_from_node_weight: Floats
+
+    def of_first(self, count: int) -> OutfitGraph:
+        """The same graph, read at the first `count` vertices only: those of the mesh before it was refined."""
+        index, weight = self.vertex_from_node[:count], self.vertex_from_node_weight[:count]
+        return replace(self, vertex_from_node=index, vertex_from_node_weight=weight)
 
 
 def mesh_edges(triangles: Ints) -> Ints:

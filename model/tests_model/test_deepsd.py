@@ -14,6 +14,7 @@ from garment.binding import bind, reference_surface
 from garment.features import node_features
 from garment.graph import build
 from garment.nearest import vertex_normals
+from garment.refine import refined
 from nets.deepsd import ConcatenatedPsi, Graph, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
 from train_deepsd import DeePSD, Settings, learn, run_one, validate
 from training_data import BodyBank, OutfitPool, Sample, load_samples
@@ -21,10 +22,11 @@ from training_data import BodyBank, OutfitPool, Sample, load_samples
 
 def vertex_answers(net: StaticPass, v: np.ndarray, t: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
     """Weights and basis of every vertex of a mesh, from scratch."""
-    garment = np.zeros(len(v), dtype=np.int64)
-    graph = build(v, t, garment)
+    fine = refined(v, t)
+    garment = np.zeros(len(fine.vertices), dtype=np.int64)
+    graph = build(fine.vertices, fine.triangles, garment).of_first(len(v))
     prior = bind(v, graph).prior
-    normals = vertex_normals(torch.as_tensor(v)[None], torch.as_tensor(t))[0].numpy()
+    normals = vertex_normals(torch.as_tensor(fine.vertices)[None], torch.as_tensor(fine.triangles))[0].numpy()
     features = node_features(graph, normals, prior, garment, reference_surface())
     tables = Graph(**{k: tensor(getattr(graph, k)) for k in Graph.__dataclass_fields__})
     with torch.no_grad():

@@ -30,19 +30,20 @@ def cloth(rng: np.random.Generator) -> tuple[RestMesh, Tensor, np.ndarray]:
     torch.set_default_dtype(torch.float32)
 
 
-def slow_spring(strain: float) -> float:
+def slow_spring(strain: float, distance: float) -> float:
     if strain >= 0:
         return 0.5 * (strain**2 + FABRIC.stiffening * max(strain - FABRIC.limit, 0) ** 2)
-    bent, folded = min(-strain, FABRIC.buckling), max(-strain - FABRIC.crumple, 0)
+    buckling = FABRIC.buckling + (FABRIC.confined - FABRIC.buckling) * math.exp(-distance / FABRIC.room)
+    bent, folded = min(-strain, buckling), max(-strain - FABRIC.crumple, 0)
     return FABRIC.compression * (0.5 * bent**2 + bent * (-strain - bent)) + 0.5 * folded**2
 
 
-def slow_stretch(mesh: RestMesh, posed: Tensor) -> float:
+def slow_stretch(mesh: RestMesh, posed: Tensor, distance: Tensor) -> float:
     total = 0.0
     for pose in posed.numpy():
         for (a, b), rest, area in zip(mesh.edges.numpy(), mesh.length.numpy(), mesh.edge_area.numpy(), strict=True):
             strain = float(np.linalg.norm(pose[a] - pose[b])) / rest - 1
-            total += FABRIC.stretch * slow_spring(strain) * area
+            total += FABRIC.stretch * slow_spring(strain, float(distance[[a, b]].mean())) * area
     return total / len(posed) / float(mesh.area.sum())
 
 
@@ -55,16 +56,20 @@ def slow_dihedral(p: np.ndarray, hinge: np.ndarray) -> float:
 
 def test_stretch_is_the_sum_over_edges(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
     mesh, posed, _ = cloth
-    assert energies.stretch(posed, mesh, FABRIC).item() == pytest.approx(slow_stretch(mesh, posed), rel=1e-6)
+    distance = torch.linspace(0, 0.06, len(mesh.area), dtype=posed.dtype)
+    slow = slow_stretch(mesh, posed, distance)
+    assert energies.stretch(posed, mesh, distance, FABRIC).item() == pytest.approx(slow, rel=1e-6)
 
 
 def test_cloth_buckles_at_a_constant_load(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
     mesh, posed, _ = cloth
     rest = posed[:1] - posed[:1].mean(1, keepdim=True)
     own = replace(mesh, length=energies.edge_lengths(rest, mesh.edges)[0])
-    tenth, fifth, two_fifths = (energies.stretch(rest * (1 - s), own, FABRIC).item() for s in (0.1, 0.2, 0.4))
+    near, far = torch.zeros(len(mesh.area)), torch.full((len(mesh.area),), 0.1)
+    tenth, fifth, two_fifths = (energies.stretch(rest * (1 - s), own, near, FABRIC).item() for s in (0.1, 0.2, 0.4))
     assert (two_fifths - fifth) / (fifth - tenth) == pytest.approx(2, rel=1e-6)
-    assert energies.stretch(rest * 1.2, own, FABRIC).item() > 5 * fifth
+    assert energies.stretch(rest * 1.2, own, near, FABRIC).item() > 2 * fifth
+    assert energies.stretch(rest * 0.8, own, far, FABRIC).item() < 0.1 * fifth
 
 
 def test_dihedral_agrees_with_the_angle_between_face_normals(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
@@ -77,7 +82,7 @@ def test_a_rest_pose_costs_nothing(cloth: tuple[RestMesh, Tensor, np.ndarray]) -
     _, posed, triangles = cloth
     rest = posed[:1]
     own = rest_mesh(rest[0], topology(triangles))
-    assert energies.stretch(rest, own, FABRIC).item() < 1e-9
+    assert energies.stretch(rest, own, torch.zeros(len(own.area)), FABRIC).item() < 1e-9
     assert energies.bending(rest, own, FABRIC).item() < 1e-12
 
 
@@ -116,7 +121,8 @@ def test_friction_holds_cloth_on_a_lap_and_lets_it_fall_elsewhere() -> None:
 def test_gradients_agree_with_finite_differences(name: str, cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
     mesh, posed, _ = cloth
     x = posed.clone().requires_grad_()
-    energy = lambda v: getattr(energies, name)(v, mesh, FABRIC)  # noqa: E731
+    distance = (torch.full((len(mesh.area),), 0.02),) if name == "stretch" else ()
+    energy = lambda v: getattr(energies, name)(v, mesh, *distance, FABRIC)  # noqa: E731
     assert torch.autograd.gradcheck(energy, x, eps=1e-7, atol=1e-3, rtol=1e-3)
 
 

@@ -87,6 +87,12 @@ impl Links {
         links.fold(Vec3::ZERO, |sum, (t, w)| sum + values.get(*t as usize).copied().unwrap_or_default() * *w)
     }
 
+    /// Drops all rows but the first `rows`.
+    pub fn keep(&mut self, rows: usize) {
+        self.index.truncate(rows * self.width);
+        self.weight.truncate(rows * self.width);
+    }
+
     fn push(&mut self, row: &[(u32, f32)]) {
         let first = row.first().map_or(0, |r| r.0);
         for k in 0..self.width {

@@ -19,6 +19,7 @@ pub mod posed_body;
 pub mod push_out;
 pub mod recent;
 pub mod reference;
+pub mod refine;
 pub mod repair;
 pub mod resolve;
 pub mod shape;

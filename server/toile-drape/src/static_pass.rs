@@ -15,11 +15,12 @@ use crate::methods::deepsd;
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::reference::{Limb, ReferenceBody};
+use crate::refine::Refined;
 use crate::repair::{garment_of_vertex, outfit_ring, repaired};
 use crate::shape::carried_to_reference;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 3;
+pub const STATIC_FORMAT: u32 = 4;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -95,13 +96,16 @@ impl StaticPass {
     ) -> Result<Self, DrapeError> {
         let placed = carried_to_reference(outfit, reference, body, fitted_on);
         let rest = repaired(outfit, &placed, reference);
-        let graph = OutfitGraph::new(&rest, &outfit.triangles, &garment_of_vertex(outfit));
+        let fine = Refined::new(&rest, &outfit.triangles);
+        let mut graph =
+            OutfitGraph::new(&fine.positions, &fine.triangles, &fine.spread(&garment_of_vertex(outfit)));
+        graph.vertex_from_node.keep(rest.len());
         let prior = node_prior(&graph, reference);
         let features = node_features(
             &graph,
-            &vertex_normals(&rest, &outfit.triangles),
+            &vertex_normals(&fine.positions, &fine.triangles),
             &prior,
-            &layer_of_vertex(outfit),
+            &fine.spread(&layer_of_vertex(outfit)),
             reference,
         );
         let rig = deepsd::static_pass(&graph, &features, &prior, networks)?;
