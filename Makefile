@@ -41,8 +41,8 @@ help:
 	@echo "make clean       remove everything that was built (not $(DATA)/)"
 
 # Large blocks go back to the system: glibc would keep what every static pass freed, a tenth of the memory.
-run: export MALLOC_MMAP_THRESHOLD_ = 131072
-run: export MALLOC_TRIM_THRESHOLD_ = 131072
+run: export MALLOC_MMAP_THRESHOLD_ = 1048576
+run: export MALLOC_TRIM_THRESHOLD_ = 1048576
 run: build
 	exec $(TOILE) serve --listen $(LISTEN) --data $(DATA)
 

@@ -82,6 +82,8 @@ pub async fn load(gallery: &Path, wardrobe: &Wardrobe, store: &Store) -> Result<
             continue;
         }
         wardrobe.add(file.into(), upload, &mut ServerTiming::default()).await.map_err(refused)?;
+        // Nobody has asked for it yet.
+        wardrobe.set_aside(&id).await;
         copy_picture(gallery, &exhibit, &id, store)?;
         if let Some(previous) = known {
             wardrobe.remove(&previous).await.map_err(refused)?;

@@ -221,13 +221,19 @@ impl Wardrobe {
         Ok((new, prepared))
     }
 
+    /// Drops an outfit from memory; the next who asks has it from disk.
+    pub async fn set_aside(&self, id: &str) {
+        self.kept.invalidate(id).await;
+        self.kept.run_pending_tasks().await;
+    }
+
     /// Removes an outfit from disk and memory. Returns whether there was one.
     ///
     /// # Errors
     /// When the store fails.
     pub async fn remove(&self, id: &str) -> Result<bool, ApiError> {
         let removed = self.store.delete(id, &self.static_key(id)).await?;
-        self.kept.invalidate(id).await;
+        self.set_aside(id).await;
         Ok(removed)
     }
 }
