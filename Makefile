@@ -151,6 +151,7 @@ bench: build
 
 train: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 640 --validation 60 --out data/outfits
+	cd model && ../$(MODEL_VENV)/bin/python -m relax --minutes 40
 	cd model && ../$(MODEL_VENV)/bin/python -m train_deepsd
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
 

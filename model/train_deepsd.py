@@ -19,12 +19,13 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+import cloth_energy
 import energies
 import optimisers
-from energies import Fabric, RestMesh
-from garment import nearest
+from cloth_energy import Contacts, Posed
+from energies import RestMesh
 from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
-from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, carry, load_samples
+from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, TargetPool, carry, load_samples
 
 #: First and last matrices of the networks.
 OUTER = ("inlet.weight", "omega.2.weight", "psi.2.weight", "coefficients.net.4.weight")
@@ -38,12 +39,9 @@ class Schedule:
     """Weights that change over a run; progress runs from 0 to 1."""
 
     prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
-    free: float = 0.1  # share of the prior that hanging cloth keeps
     smooth_weights: float = 2.0
-    pinched: float = 0.02  # share of the contact that counts in a fold of the body, which the resolve opens
-    keep: float = 15.0  # N/m3, offsets of cloth on the body; a tenth where it hangs free
-    hang: float = 0.03  # m from the skin where cloth begins to hang
-    grip: float = 400.0  # N/m3, offsets of cloth on the skin
+    target: float = 100.0  # N/m3, distance of hanging cloth from where relaxation puts it
+    aimed: float = 0.4  # share of the draws that have relaxed cloth to aim at
 
     def prior_at(self, progress: float) -> float:
         return self.prior * max(0.2, 1 - 2 * progress)
@@ -59,14 +57,11 @@ class DeePSD(nn.Module):
 
 
 @dataclass(frozen=True)
-class Draped:
-    """One outfit on one shape in several poses."""
+class Draped(Posed):
+    """One outfit on one shape in several poses, as the network has it."""
 
     rest: Tensor  # (N, 3)
     offset: Tensor  # (P, N, 3) rest space
-    posed: Tensor  # (P, N, 3) world
-    skinned: Tensor  # (P, N, 3) world, without the offset
-    up: Tensor  # (P, N, 3) where the rest +Y of each vertex turns to
     node_weights: Tensor  # (M, 36)
 
 
@@ -81,65 +76,19 @@ def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: 
     weight, joint = top_four(spread(node_weights))
     posed, up = skin(rest + offset, weight, joint, transforms)
     skinned, _ = skin(rest.expand_as(offset), weight, joint, transforms)
-    return Draped(rest, offset, posed, skinned, up, node_weights)
-
-
-@dataclass(frozen=True)
-class Contacts:
-    """What the cloth touches, (P poses, N vertices)."""
-
-    body: Tensor  # (P, N) clearance to the skin
-    pinched: Tensor  # (P, N) nearest to a fold of the body that leaves cloth no room
-    lap: Tensor  # (P, N, 3) normal of the skin under each vertex where skinning puts it
-    lap_distance: Tensor  # (P, N) distance to it
-    layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
-
-
-def contact_terms(d: Draped, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Contacts:
-    """Clearances to the body and of outer garments to inner ones."""
-    surface, normals = entry.vertices[poses], entry.normals[poses]
-    hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
-    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), nearest.surface_at(normals, hit))
-    under = nearest.nearest(d.skinned.detach(), surface, sample.candidates, bank.ring)
-    lap = nearest.surface_at(normals, under)
-    lap_distance = energies.clearance(d.skinned.detach(), nearest.surface_at(surface, under), lap)
-    layer = None
-    if len(sample.outer):
-        cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
-        x = d.posed[:, sample.outer]
-        best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
-        layer = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
-    return Contacts(body, entry.pinched[poses].gather(1, hit), lap, lap_distance, layer)
+    return Draped(posed, skinned, up, rest, offset, node_weights)
 
 
 def losses(
     d: Draped, mesh: RestMesh, contacts: Contacts, sample: Sample, schedule: Schedule, progress: float
 ) -> dict[str, Tensor]:
     """Every energy of a step, J/m2 (means over poses)."""
-    fabric = Fabric()
-    margin = sample.distance.clamp(fabric.least, fabric.thickness)
-    distance = sample.distance.clamp(min=0)
-    borne = torch.exp(-distance / schedule.hang)
-    grip = schedule.keep * (0.1 + borne) + schedule.grip * torch.exp(-distance / 0.008)
     prior, edges = sample.prior.clamp(min=1e-4), sample.graph.near
-    share = torch.where(contacts.pinched, schedule.pinched, 1.0)
     divergence = (d.node_weights * (d.node_weights.clamp(min=1e-6).log() - prior.log())).sum(1)
-    held = schedule.free + (1 - schedule.free) * torch.exp(-sample.node_distance / schedule.hang)
     rough = ((d.node_weights[edges] - d.node_weights[:, None]).square().sum(2) * (sample.graph.near_weight > 0)).mean()
-    out = {
-        "stretch": energies.stretch(d.posed, mesh, sample.distance, fabric),
-        "bend": energies.bending(d.posed, mesh, fabric),
-        "contact": energies.contact(contacts.body, margin, mesh.area, fabric, share),
-        "gravity": energies.weight_change(d.posed, d.up, borne, mesh.area, fabric),
-        "hold": energies.hold(d.offset, grip, mesh.area),
-        "friction": energies.friction(d.posed - d.skinned, contacts.lap, contacts.lap_distance, mesh.area, fabric),
-        "prior": schedule.prior_at(progress) * (held * divergence).mean(),
-        "smooth": schedule.smooth_weights * rough,
-    }
-    if contacts.layer is not None:
-        gap = sample.layer_gap.clamp(max=0.003)
-        share = mesh.area[sample.outer]
-        out["layer"] = energies.contact(contacts.layer, gap, share, fabric) * share.sum() / mesh.area.sum()
+    out = cloth_energy.terms(d, d.offset, mesh, contacts, sample)
+    out["prior"] = schedule.prior_at(progress) * divergence.mean()
+    out["smooth"] = schedule.smooth_weights * rough
     return out
 
 
@@ -165,7 +114,7 @@ def run_one(
 ) -> tuple[Draped, RestMesh, Contacts]:
     rest, mesh = carry(sample, bank, entry)
     d = drape(net, sample, rest, entry, poses, bank.parents)
-    return d, mesh, contact_terms(d, sample, bank, entry, poses)
+    return d, mesh, cloth_energy.contacts(d, sample, bank, entry, poses)
 
 
 @torch.no_grad()
@@ -179,15 +128,21 @@ def validate(net: DeePSD, samples: list[Sample], bank: BodyBank) -> dict[str, fl
     return {k: float(np.mean([r[k] for r in rows if k in r])) for k in sorted({k for r in rows for k in r})}
 
 
-def step(
-    net: DeePSD, samples: list[Sample], bank: BodyBank, rng: np.random.Generator, poses: int, progress: float
-) -> dict[str, float]:
-    """Gradients of one random outfit and shape, accumulated."""
-    sample = samples[rng.integers(len(samples))]
-    entry = bank.entries[rng.integers(len(bank.entries))]
-    chosen = torch.as_tensor(rng.choice(len(entry.vertices), poses, replace=False))
+def step(net: DeePSD, data: Data, rng: np.random.Generator, poses: int, progress: float) -> dict[str, float]:
+    """Gradients of one random outfit and shape, accumulated; a share of the steps has relaxed cloth to aim at."""
+    bank, target = data.bank, None
+    if data.targets.targets and rng.random() < Schedule.aimed:
+        target = data.targets.targets[rng.integers(len(data.targets.targets))]
+        sample, entry, chosen = target.sample, bank.entries[target.entry], target.poses
+    else:
+        sample = data.outfits.samples[rng.integers(len(data.outfits.samples))]
+        entry = bank.entries[rng.integers(len(bank.entries))]
+        chosen = torch.as_tensor(rng.choice(len(entry.vertices), poses, replace=False))
     d, mesh, contacts = run_one(net, sample, bank, entry, chosen)
     terms = losses(d, mesh, contacts, sample, Schedule(), progress)
+    if target is not None:
+        hanging = Schedule.target * (1 - cloth_energy.borne(sample))
+        terms["target"] = energies.hold(d.posed - target.x, hanging, mesh.area)
     total = torch.stack(list(terms.values())).sum()
     total.backward()
     return {k: v.item() for k, v in terms.items()} | measures(d, mesh, contacts)
@@ -206,9 +161,23 @@ class Settings:
     start: float = 0.0  # progress at which a resumed run goes on
 
 
-def learn(
-    net: DeePSD, train: OutfitPool, validation: list[Sample], banks: tuple[BodyBank, BodyBank], s: Settings, out: Path
-) -> None:
+@dataclass(frozen=True)
+class Data:
+    """What a run learns from and is judged on."""
+
+    outfits: OutfitPool
+    bank: BodyBank
+    targets: TargetPool
+    validation: list[Sample]
+    validation_bank: BodyBank
+
+    def refresh(self) -> None:
+        """Takes in what was made since."""
+        self.outfits.refresh()
+        self.targets.refresh()
+
+
+def learn(net: DeePSD, data: Data, s: Settings, out: Path) -> None:
     """The training loop: Muon and Adam, cosine rate, running average of the weights, log lines and checkpoints."""
     rng = np.random.default_rng(s.seed)
     tools = optimisers.muon_and_adam(net, s.rate, OUTER)
@@ -217,7 +186,7 @@ def learn(
     while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
         rate = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
         optimisers.set_rate(tools, rate)
-        history += [step(net, train.samples, banks[0], rng, s.poses, progress) for _ in range(s.outfits_per_step)]
+        history += [step(net, data, rng, s.poses, progress) for _ in range(s.outfits_per_step)]
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
         optimisers.step(tools)
         average.update_parameters(net)
@@ -225,10 +194,10 @@ def learn(
         if count % 100 == 0:
             report(history, count, progress, time.time() - started)
             history.clear()
-            train.refresh()
+            data.refresh()
         if count % 500 == 0:
-            save(average.module, out, validate(average.module, validation, banks[1]), count)
-    save(average.module, out, validate(average.module, validation, banks[1]), count)
+            save(average.module, out, validate(average.module, data.validation, data.validation_bank), count)
+    save(average.module, out, validate(average.module, data.validation, data.validation_bank), count)
 
 
 def report(history: list[dict[str, float]], count: int, progress: float, seconds: float) -> None:
@@ -250,8 +219,7 @@ def main() -> None:
     p.add_argument("--out", type=Path, default=RUNS / "deepsd.pt")
     p.add_argument("--resume", type=Path)
     p.add_argument("--outfits", type=Path, default=DATA / "outfits")
-    p.add_argument("--shapes", type=int, default=40)
-    p.add_argument("--poses", type=int, default=40)
+    p.add_argument("--relaxed", type=Path, default=DATA / "relaxed", help="targets made by `python -m relax`")
     p.add_argument("--limit", type=int, help="use only this many outfits (smoke runs)")
     p.add_argument("--start", type=float, default=0.0, help="progress (0 to 1) at which a resumed run goes on")
     p.add_argument("--rate", type=float, default=4e-3)
@@ -262,9 +230,10 @@ def main() -> None:
         net.load_state_dict(torch.load(a.resume)["net"])
     train = OutfitPool(a.outfits / "train", a.limit)
     validation = load_samples(a.outfits / "validation")[: a.limit or VALIDATION_OUTFITS]
-    banks = BodyBank(a.shapes, a.poses, 1), BodyBank(6, 12, 2)
+    bank = BodyBank.for_training()
+    data = Data(train, bank, TargetPool(a.relaxed, train, bank), validation, BodyBank(6, 12, 2))
     print(f"{len(train.samples)} training and {len(validation)} validation outfits", flush=True)
-    learn(net, train, validation, banks, Settings(a.minutes, rate=a.rate, start=a.start), a.out)
+    learn(net, data, Settings(a.minutes, rate=a.rate, start=a.start), a.out)
 
 
 if __name__ == "__main__":

@@ -136,6 +136,47 @@ class OutfitPool:
                 self._known.add(name)
 
 
+@dataclass(frozen=True)
+class Target:
+    """An outfit relaxed on one body (`relax.py`)."""
+
+    sample: Sample
+    entry: int
+    poses: Tensor  # (P,)
+    x: Tensor  # (P, N, 3) world
+
+
+class TargetPool:
+    """Relaxed outfits; files that appear while training runs are taken in by `refresh`."""
+
+    def __init__(self, folder: Path, outfits: OutfitPool, bank: BodyBank) -> None:
+        self.folder, self.bank, self.targets = folder, bank, []
+        self._sample = {s.name: s for s in outfits.samples}
+        self._known: set[str] = set()
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Loads results that are new, of outfits and bodies that this run has."""
+        for path in sorted(self.folder.glob("*.npz")):
+            if path.name in self._known or path.name.count(".") > 1:
+                continue
+            self._known.add(path.name)
+            raw = np.load(path)
+            sample, entry, poses = (
+                self._sample.get(str(raw["outfit"])),
+                int(raw["entry"]),
+                torch.as_tensor(raw["poses"]),
+            )
+            if sample is None or not self._same_bodies(entry, poses, raw["transforms"]):
+                continue
+            self.targets.append(Target(sample, entry, poses, torch.as_tensor(raw["x"])))
+
+    def _same_bodies(self, entry: int, poses: Tensor, transforms: np.ndarray) -> bool:
+        if entry >= len(self.bank.entries) or int(poses.max()) >= len(self.bank.entries[entry].transforms):
+            return False
+        return np.allclose(self.bank.entries[entry].transforms[poses], transforms, atol=1e-4)
+
+
 def _warm(path: Path) -> None:
     torch.set_num_threads(1)
     load_sample(path)
@@ -176,6 +217,11 @@ class BodyBank:
         self.entries = [
             self.random_entry(body, random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)
         ]
+
+    @classmethod
+    def for_training(cls) -> BodyBank:
+        """The bank that training and relaxation share."""
+        return cls(40, 40, 1)
 
     def random_entry(self, body: AnnyBody, values: ShapeValues, poses: list[Rotations]) -> ShapedPoses:
         shaped = body.shape(*values)

@@ -16,8 +16,8 @@ from garment.graph import build
 from garment.nearest import vertex_normals
 from garment.refine import refined
 from nets.deepsd import ConcatenatedPsi, Graph, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
-from train_deepsd import DeePSD, Settings, learn, run_one, validate
-from training_data import BodyBank, OutfitPool, Sample, load_samples
+from train_deepsd import Data, DeePSD, Settings, learn, run_one, validate
+from training_data import BodyBank, OutfitPool, Sample, TargetPool, load_samples
 
 
 def vertex_answers(net: StaticPass, v: np.ndarray, t: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
@@ -76,7 +76,9 @@ def test_a_tiny_run_lowers_the_energy(outfits: Path, bank: BodyBank, tmp_path: P
     validation = load_samples(outfits / "validation")
     before = validate(net, validation, bank)
     settings = Settings(minutes=20, steps=12, poses=2, outfits_per_step=1, seed=1)
-    learn(net, OutfitPool(outfits / "train"), validation, (bank, bank), settings, tmp_path / "run.pt")
+    pool = OutfitPool(outfits / "train")
+    data = Data(pool, bank, TargetPool(tmp_path / "none", pool, bank), validation, bank)
+    learn(net, data, settings, tmp_path / "run.pt")
     after = validate(net, validation, bank)
     assert after["penetration_percent"] < before["penetration_percent"] + 0.5
     assert after["edge_mm"] < before["edge_mm"]

@@ -1,0 +1,85 @@
+"""The whole energy of posed cloth: what training lowers and relaxation minimises. World space, J/m2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+import energies
+from energies import Fabric, RestMesh
+from garment import nearest
+from training_data import BodyBank, Sample, ShapedPoses
+
+#: Share of the contact that counts in a fold of the body, which the resolve opens.
+PINCHED = 0.02
+#: N/m3, resistance to offsets of cloth on the body; a tenth of it where cloth hangs free.
+KEEP = 15.0
+#: m from the skin where cloth begins to hang.
+HANG = 0.03
+#: N/m3, resistance to offsets of cloth on the skin, and how far (m) the skin grips.
+GRIP, GRIP_REACH = 400.0, 0.008
+
+
+@dataclass(frozen=True)
+class Posed:
+    """Cloth in several poses of one body."""
+
+    posed: Tensor  # (P, N, 3) world
+    skinned: Tensor  # (P, N, 3) world, where skinning alone puts it
+    up: Tensor  # (P, N, 3) where the rest +Y of each vertex turns to
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """What the cloth touches, (P poses, N vertices)."""
+
+    body: Tensor  # (P, N) clearance to the skin
+    pinched: Tensor  # (P, N) nearest to a fold of the body that leaves cloth no room
+    lap: Tensor  # (P, N, 3) normal of the skin under each vertex where skinning puts it
+    lap_distance: Tensor  # (P, N) distance to it
+    layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
+
+
+def contacts(d: Posed, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Contacts:
+    """Clearances to the body and of outer garments to inner ones."""
+    surface, normals = entry.vertices[poses], entry.normals[poses]
+    hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
+    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), nearest.surface_at(normals, hit))
+    under = nearest.nearest(d.skinned.detach(), surface, sample.candidates, bank.ring)
+    lap = nearest.surface_at(normals, under)
+    lap_distance = energies.clearance(d.skinned.detach(), nearest.surface_at(surface, under), lap)
+    layer = None
+    if len(sample.outer):
+        cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
+        x = d.posed[:, sample.outer]
+        best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
+        layer = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
+    return Contacts(body, entry.pinched[poses].gather(1, hit), lap, lap_distance, layer)
+
+
+def borne(sample: Sample) -> Tensor:
+    """Share of each vertex's weight that the skin under it carries at rest, (N,): 1 on the skin, 0 far from it."""
+    return torch.exp(-sample.distance.clamp(min=0) / HANG)
+
+
+def terms(d: Posed, offset: Tensor, mesh: RestMesh, touching: Contacts, sample: Sample) -> dict[str, Tensor]:
+    """Every energy of cloth by name. offset (P, N, 3): from where skinning puts it, in any rotated frame."""
+    fabric = Fabric()
+    on_skin = borne(sample)
+    margin = sample.distance.clamp(fabric.least, fabric.thickness)
+    grip = KEEP * (0.1 + on_skin) + GRIP * torch.exp(-sample.distance.clamp(min=0) / GRIP_REACH)
+    share = torch.where(touching.pinched, PINCHED, 1.0)
+    out = {
+        "stretch": energies.stretch(d.posed, mesh, sample.distance, fabric),
+        "bend": energies.bending(d.posed, mesh, fabric),
+        "contact": energies.contact(touching.body, margin, mesh.area, fabric, share),
+        "gravity": energies.weight_change(d.posed, d.up, on_skin, mesh.area, fabric),
+        "hold": energies.hold(offset, grip, mesh.area),
+        "friction": energies.friction(d.posed - d.skinned, touching.lap, touching.lap_distance, mesh.area, fabric),
+    }
+    if touching.layer is not None:
+        gap, covered = sample.layer_gap.clamp(max=0.003), mesh.area[sample.outer]
+        out["layer"] = energies.contact(touching.layer, gap, covered, fabric) * covered.sum() / mesh.area.sum()
+    return out

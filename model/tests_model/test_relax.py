@@ -1,0 +1,79 @@
+"""Relaxation finds cloth of less energy, and training aims at it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+import cloth_energy
+import relax
+from train_deepsd import Data, DeePSD, Schedule, Settings, Sizes, step
+from training_data import BodyBank, OutfitPool, Sample, TargetPool, carry
+
+POSES = torch.arange(3)
+
+
+@pytest.fixture(scope="module")
+def skirt(outfits: Path) -> Sample:
+    return next(s for s in OutfitPool(outfits / "train").samples if "skirt" in s.name)
+
+
+@pytest.fixture(scope="module")
+def relaxed(skirt: Sample, bank: BodyBank) -> Tensor:
+    return relax.relaxed(skirt, bank, bank.entries[1], POSES)
+
+
+def strain(sample: Sample, bank: BodyBank, x: Tensor) -> float:
+    """Energy of stretch and contact, J/m2."""
+    entry = bank.entries[1]
+    rest, mesh = carry(sample, bank, entry)
+    d = replace(relax.skinned(sample, rest, entry, POSES), posed=x)
+    terms = cloth_energy.terms(d, x - d.skinned, mesh, cloth_energy.contacts(d, sample, bank, entry, POSES), sample)
+    return float(terms["stretch"] + terms["contact"])
+
+
+def test_relaxed_cloth_has_a_fraction_of_the_strain_and_stays_near_the_body(
+    skirt: Sample, bank: BodyBank, relaxed: Tensor
+) -> None:
+    entry = bank.entries[1]
+    start = relax.skinned(skirt, carry(skirt, bank, entry)[0], entry, POSES)
+    assert strain(skirt, bank, relaxed) < 0.2 * strain(skirt, bank, start.skinned)
+    distance = torch.cdist(relaxed, entry.vertices[POSES]).min(2).values
+    assert distance.max() < 0.5
+
+
+def test_the_metric_turns_the_slope_of_a_quadratic_into_its_minimum() -> None:
+    rng = np.random.default_rng(3)
+    half = rng.normal(size=(6, 6))
+    stiffness, goal = half @ half.T + np.eye(6), rng.normal(size=(6, 3))
+    pairs, x = [], np.zeros((6, 3))
+    for _ in range(60):
+        slope = stiffness @ (x - goal)
+        if np.abs(slope).max() < 1e-9:
+            break
+        move = -relax.two_loops(slope, pairs[-8:], lambda q: q / 4)
+        move *= -(slope * move).sum() / (move * (stiffness @ move)).sum()
+        pairs.append((move, stiffness @ move))
+        x = x + move
+    np.testing.assert_allclose(x, goal, atol=1e-5)
+
+
+def test_training_draws_relaxed_outfits_of_its_own_bodies_only(
+    outfits: Path, skirt: Sample, bank: BodyBank, relaxed: Tensor, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pool = OutfitPool(outfits / "train")
+    transforms = bank.entries[1].transforms[POSES]
+    kept = {"outfit": skirt.name, "entry": 1, "poses": POSES.numpy(), "x": relaxed}
+    np.savez(tmp_path / "mine.npz", transforms=transforms, **kept)
+    np.savez(tmp_path / "other_bodies.npz", transforms=transforms + 1, **kept)
+    targets = TargetPool(tmp_path, pool, bank)
+    assert len(targets.targets) == 1
+    monkeypatch.setattr(Schedule, "aimed", 1.0)
+    data = Data(pool, bank, targets, pool.samples, bank)
+    line = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1).poses, 0.0)
+    assert line["target"] > 0
