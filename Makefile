@@ -151,8 +151,9 @@ bench: build
 
 train: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 640 --validation 60 --out data/outfits
-	cd model && ../$(MODEL_VENV)/bin/python -m relax --minutes 40
-	cd model && ../$(MODEL_VENV)/bin/python -m train_deepsd
+	cd model && ../$(MODEL_VENV)/bin/python -m relax --minutes 15
+	cd model && { ../$(MODEL_VENV)/bin/python -m relax --minutes 60 --seed 1 & \
+		../$(MODEL_VENV)/bin/python -m train_deepsd; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
 
 export: $(MODEL_TOOLS)

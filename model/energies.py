@@ -23,7 +23,7 @@ class Fabric:
     compression: float = 0.35  # share of the stretch stiffness that resists shortening until cloth buckles
     buckling: float = 0.002  # shortening at which free cloth buckles: from there the force stays the same
     confined: float = 0.05  # the same for cloth on the skin, which has room for short folds only
-    room: float = 0.015  # m from the skin over which folds grow long
+    room: float = 0.03  # m from the skin over which folds grow long
     crumple: float = 0.6  # shortening at which folds touch each other
     bending: float = 3e-5  # N m
     contact: float = 4e5  # J/m4, penalty of penetration

@@ -3,7 +3,7 @@
 Training by energies alone finds drapes near plain skinning; a skirt over a lap is far from it. Here the cloth of
 a drawn outfit, body and pose is moved itself, without a network, from plain skinning to the least energy: a
 quasi-Newton method whose first metric is the outfit's stretch stiffness (after Liu, Bouaziz and Kavan,
-Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). Results lie under data/relaxed.
+Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). Results lie under data/relaxed, which a training run reads while it grows.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from torch import Tensor
 import cloth_energy
 from cloth_energy import Posed
 from energies import Fabric, RestMesh
+from garment.binding import garment_joint_names
 from nets.deepsd import gather_mean, skin, top_four
 from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_samples
 
@@ -35,6 +36,8 @@ STEPS, MEMORY = 120, 8
 LONGEST = 0.05
 #: J/m4, stiffness against absolute movement in the first metric.
 ANCHOR = 2000.0
+#: Cosine of a thigh's turn from which a pose bends deeply.
+BENT = 0.6
 #: Vertices of an outfit at most, for the time that it takes.
 LARGEST = 5000
 #: Share of an outfit's vertices that must hang this far (m) from the skin before it is worth relaxing.
@@ -118,6 +121,15 @@ def hangs(sample: Sample) -> bool:
     return bool((sample.distance > FAR).float().mean() > HANGING)
 
 
+def chances(entry: ShapedPoses) -> Floats:
+    """How often each pose is drawn, (P,): every other draw has a leg bent far at the hip."""
+    names = garment_joint_names()
+    legs = [names.index("upperleg01.L"), names.index("upperleg01.R")]
+    bent = (entry.transforms[:, legs, 1, 1].min(1).values < BENT).numpy()
+    share = np.where(bent, 1 / max(bent.sum(), 1), 1 / max((~bent).sum(), 1))
+    return share / share.sum()
+
+
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--minutes", type=float, default=60)
@@ -135,7 +147,7 @@ def main() -> None:
     while time.time() - started < 60 * a.minutes and count < (a.limit or 10**9):
         sample, k = samples[rng.integers(len(samples))], int(rng.integers(len(bank.entries)))
         entry = bank.entries[k]
-        poses = torch.as_tensor(rng.choice(len(entry.vertices), a.poses, replace=False))
+        poses = torch.as_tensor(rng.choice(len(entry.vertices), a.poses, replace=False, p=chances(entry)))
         path = a.out / f"{sample.name}_{k}_{a.seed}.npz"
         if path.exists():
             continue

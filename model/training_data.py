@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,7 +100,7 @@ def load_sample(path: Path) -> Sample:
     """A prepared outfit, computed once and kept beside the file."""
     kept = path.with_suffix(".prepared.npz")
     if not kept.exists() or kept.stat().st_mtime < path.stat().st_mtime:
-        part = path.with_suffix(".part.npz")
+        part = path.with_suffix(f".part{os.getpid()}.npz")
         np.savez(part, **prepare(path))
         part.rename(kept)
     raw = np.load(kept)
