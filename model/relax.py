@@ -3,7 +3,8 @@
 Training by energies alone finds drapes near plain skinning; a skirt over a lap is far from it. Here the cloth of
 a drawn outfit, body and pose is moved itself, without a network, from plain skinning to the least energy: a
 quasi-Newton method whose first metric is the outfit's stretch stiffness (after Liu, Bouaziz and Kavan,
-Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). Results lie under data/relaxed, which a training run reads while it grows.
+Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). Results lie under data/relaxed,
+where a training run finds them while it runs.
 """
 
 from __future__ import annotations
