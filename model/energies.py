@@ -21,8 +21,8 @@ class Fabric:
     stiffening: float = 1.0  # times the stretch stiffness, added beyond `limit`
     limit: float = 0.15  # strain at which woven cloth locks
     compression: float = 0.35  # share of the stretch stiffness that resists shortening until cloth buckles
-    buckling: float = 0.002  # shortening at which free cloth buckles: from there the force stays the same
-    confined: float = 0.05  # the same for cloth on the skin, which has room for short folds only
+    buckling: float = 0.005  # shortening at which free cloth buckles: from there the force stays the same
+    confined: float = 0.1  # the same for cloth on the skin, which has room for short folds only
     room: float = 0.03  # m from the skin over which folds grow long
     crumple: float = 0.6  # shortening at which folds touch each other
     bending: float = 3e-5  # N m

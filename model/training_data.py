@@ -20,6 +20,7 @@ from garment import features, folds, nearest
 from garment.binding import bind, reference_surface
 from garment.carry import MARGIN, blend, joint_maps, push_out, smoothed
 from garment.graph import build, mesh_edges
+from garment.ornaments import ride
 from garment.refine import refined
 from garment.rest_mesh import rest_mesh, topology
 from nets.deepsd import Graph, gather_mean, top_four
@@ -63,7 +64,7 @@ def prepare(path: Path) -> dict[str, np.ndarray]:
         raw["garment"].astype(np.int64),
     )
     fine = refined(v, t)
-    graph = build(fine.vertices, fine.triangles, garment[fine.origin]).of_first(len(v))
+    graph = ride(build(fine.vertices, fine.triangles, garment[fine.origin]).of_first(len(v)), v, t)
     binding = bind(v, graph)
     surface = reference_surface()
     normals = vertex_normals(fine.vertices, fine.triangles)

@@ -11,6 +11,7 @@ pub mod graph;
 pub mod layers;
 pub mod methods;
 pub mod network;
+pub mod ornaments;
 pub mod outfit;
 pub mod outfit_build;
 pub mod outfit_codec;

@@ -13,6 +13,7 @@ use crate::graph::{Links, OutfitGraph};
 use crate::layers::{LayerContacts, layer_contacts};
 use crate::methods::deepsd;
 use crate::network::Networks;
+use crate::ornaments;
 use crate::outfit::Outfit;
 use crate::reference::{Limb, ReferenceBody};
 use crate::refine::Refined;
@@ -100,6 +101,8 @@ impl StaticPass {
         let mut graph =
             OutfitGraph::new(&fine.positions, &fine.triangles, &fine.spread(&garment_of_vertex(outfit)));
         graph.vertex_from_node.keep(rest.len());
+        let ring = outfit_ring(outfit);
+        ornaments::ride(&mut graph.vertex_from_node, &rest, &ring);
         let prior = node_prior(&graph, reference);
         let features = node_features(
             &graph,
@@ -117,7 +120,7 @@ impl StaticPass {
             shape,
             layers: layer_contacts(outfit, &rest),
             edges: edges(&outfit.triangles),
-            ring: outfit_ring(outfit),
+            ring,
             rig,
             vertex_from_node: graph.vertex_from_node,
             near: graph.near,
