@@ -49,11 +49,6 @@ class Sample:
     inner: Tensor  # (Q, 8) vertices of that garment
     layer_gap: Tensor  # (Q,) rest distance to it
 
-    @property
-    def node_distance(self) -> Tensor:
-        """Distance of each node to the body at rest, (M,) metres, at most 0.3."""
-        return self.features[:, features.DISTANCE].clamp(min=0) * features.DISTANCE_UNIT
-
 
 def prepare(path: Path) -> dict[str, np.ndarray]:
     """All tables of an outfit file as arrays (see `Sample`)."""
@@ -64,7 +59,7 @@ def prepare(path: Path) -> dict[str, np.ndarray]:
         raw["garment"].astype(np.int64),
     )
     fine = refined(v, t)
-    graph = ride(build(fine.vertices, fine.triangles, garment[fine.origin]).of_first(len(v)), v, t)
+    graph = ride(build(fine.vertices, fine.triangles, garment[fine.origin]).of_first(len(v)), v, t, garment)
     binding = bind(v, graph)
     surface = reference_surface()
     normals = vertex_normals(fine.vertices, fine.triangles)
@@ -164,11 +159,8 @@ class TargetPool:
                 continue
             self._known.add(path.name)
             raw = np.load(path)
-            sample, entry, poses = (
-                self._sample.get(str(raw["outfit"])),
-                int(raw["entry"]),
-                torch.as_tensor(raw["poses"]),
-            )
+            sample, entry = self._sample.get(str(raw["outfit"])), int(raw["entry"])
+            poses = torch.as_tensor(raw["poses"])
             if sample is None or not self._same_bodies(entry, poses, raw["transforms"]):
                 continue
             self.targets.append(Target(sample, entry, poses, torch.as_tensor(raw["x"])))

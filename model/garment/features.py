@@ -12,8 +12,8 @@ from garment.graph import OutfitGraph
 Floats = NDArray[np.float64]
 
 WAVELENGTHS = (0.5, 0.2)
-#: Column of the signed distance to the body, and its unit in metres.
-DISTANCE, DISTANCE_UNIT = 9, 0.1
+#: Unit of distances to the body, metres.
+DISTANCE_UNIT = 0.1
 FEATURES = 3 + 3 + 3 + 1 + 3 + 3 * 2 * len(WAVELENGTHS) + 36 + 1
 
 

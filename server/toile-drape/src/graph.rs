@@ -93,15 +93,6 @@ impl Links {
         self.weight.truncate(rows * self.width);
     }
 
-    /// Gives row `to` the links of row `from`.
-    pub fn copy_row(&mut self, from: usize, to: usize) {
-        let (source, place) = (from * self.width, to * self.width);
-        if source + self.width <= self.index.len() && place + self.width <= self.index.len() {
-            self.index.copy_within(source..source + self.width, place);
-            self.weight.copy_within(source..source + self.width, place);
-        }
-    }
-
     fn push(&mut self, row: &[(u32, f32)]) {
         let first = row.first().map_or(0, |r| r.0);
         for k in 0..self.width {

@@ -13,7 +13,7 @@ use crate::graph::{Links, OutfitGraph};
 use crate::layers::{LayerContacts, layer_contacts};
 use crate::methods::deepsd;
 use crate::network::Networks;
-use crate::ornaments;
+use crate::ornaments::Riders;
 use crate::outfit::Outfit;
 use crate::reference::{Limb, ReferenceBody};
 use crate::refine::Refined;
@@ -98,11 +98,11 @@ impl StaticPass {
         let placed = carried_to_reference(outfit, reference, body, fitted_on);
         let rest = repaired(outfit, &placed, reference);
         let fine = Refined::new(&rest, &outfit.triangles);
-        let mut graph =
-            OutfitGraph::new(&fine.positions, &fine.triangles, &fine.spread(&garment_of_vertex(outfit)));
+        let garment = garment_of_vertex(outfit);
+        let mut graph = OutfitGraph::new(&fine.positions, &fine.triangles, &fine.spread(&garment));
         graph.vertex_from_node.keep(rest.len());
         let ring = outfit_ring(outfit);
-        ornaments::ride(&mut graph.vertex_from_node, &rest, &ring);
+        let riders = Riders::new(&graph, &fine, &rest, &ring, &garment);
         let prior = node_prior(&graph, reference);
         let features = node_features(
             &graph,
@@ -111,7 +111,7 @@ impl StaticPass {
             &fine.spread(&layer_of_vertex(outfit)),
             reference,
         );
-        let rig = deepsd::static_pass(&graph, &features, &prior, networks)?;
+        let rig = deepsd::static_pass(&graph, &features, &prior, &riders, networks)?;
         let limbs: Vec<Limb> = prior.iter().map(|w| reference.limb(w)).collect();
         let (candidates, shape) = body_links(&graph.nodes.positions, &limbs, reference);
         Ok(Self {

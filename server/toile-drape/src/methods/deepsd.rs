@@ -9,6 +9,7 @@ use crate::error::DrapeError;
 use crate::features::FEATURES;
 use crate::graph::OutfitGraph;
 use crate::network::{Networks, Tensor, TensorRef};
+use crate::ornaments::Riders;
 use crate::reference::GARMENT_JOINTS;
 use crate::static_pass::{Rig, StaticPass, largest_influences};
 
@@ -62,10 +63,15 @@ pub fn static_pass(
     graph: &OutfitGraph,
     features: &[f32],
     prior: &[Weights],
+    riders: &Riders,
     networks: &mut dyn Networks,
 ) -> Result<Rig, DrapeError> {
     let nodes = prior.len();
-    let [weights, basis, descriptors] = run_static(graph, features, prior, networks)?;
+    let [mut weights, mut basis, mut descriptors] = run_static(graph, features, prior, networks)?;
+    let mut prior = prior.to_vec();
+    let tables = [&mut weights.values, &mut basis.values, &mut descriptors.values];
+    tables.into_iter().for_each(|values| riders.carry(graph, values));
+    riders.carry(graph, prior.as_flattened_mut());
     let rows: Vec<Weights> =
         weights.values.chunks_exact(GARMENT_JOINTS).filter_map(|r| r.try_into().ok()).collect();
     if rows.len() != nodes || basis.values.len() != nodes * 3 * BASIS {
@@ -74,7 +80,7 @@ pub fn static_pass(
         return Err(DrapeError::Answer { graph: "deepsd/static", expected, found });
     }
     let (joints, weights) = largest_influences(&vertex_weights(&rows, &graph.vertex_from_node));
-    let (prior_joints, prior_weights) = largest_influences(&vertex_weights(prior, &graph.vertex_from_node));
+    let (prior_joints, prior_weights) = largest_influences(&vertex_weights(&prior, &graph.vertex_from_node));
     Ok(Rig {
         joints,
         weights,
