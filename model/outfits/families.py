@@ -56,6 +56,12 @@ def _jacket_over(rng: Rng, worn: list[Pattern]) -> list[Pattern]:
     return [*worn, jacket(rng)]
 
 
+def _over_top(under: Pattern, top: Pattern) -> list[Pattern]:
+    """One closed top over another, as long as that or shorter."""
+    under = _under_jacket(under)
+    return [under, replace(top, hem=max(top.hem, under.hem - 0.02), chest=max(top.chest, under.chest + 0.008))]
+
+
 def _jacket_shirt_trousers(rng: Rng) -> list[Pattern]:
     top = _under_jacket((shirt, tee, tank)[int(rng.integers(3))](rng))
     pair = _tucked(top, trousers(rng)) if rng.random() < 0.5 else _over(trousers(rng), top)
@@ -111,6 +117,11 @@ TRAIN: dict[str, Family] = {
     "jacket_shirt_trousers": _jacket_shirt_trousers,
     "jacket_tank_skirt": lambda r: _jacket_over(r, _tucked(_under_jacket(tank(r)), skirt(r))),
     "jacket_dress": lambda r: _jacket_over(r, [_under_jacket(dress(r))]),
+    "dress_trousers": lambda r: [trousers(r), dress(r)],
+    "shirt_skirt": lambda r: _over(skirt(r), shirt(r)),
+    "tee_over_shirt": lambda r: _over_top(shirt(r), tee(r)),
+    "tank_over_tee_trousers": lambda r: [trousers(r), *_over_top(tee(r), tank(r))],
+    "jacket_tee_shorts": lambda r: _jacket_over(r, _over(shorts(r), _under_jacket(tee(r)))),
 }
 ORNAMENTED: dict[str, Family] = {
     "collared_shirt_trousers": lambda r: [*_tucked(_collared(r), trousers(r)), _collar(r)],
