@@ -40,7 +40,7 @@ help:
 	@echo "make pictures    draw the README's pictures again"
 	@echo "make clean       remove everything that was built (not $(DATA)/)"
 
-# Large blocks go back to the system: glibc would keep what every static pass freed, a tenth of the memory.
+# Large blocks go back to the system: glibc would keep what every static pass freed (docs/benchmarks.md, Memory).
 run: export MALLOC_MMAP_THRESHOLD_ = 1048576
 run: export MALLOC_TRIM_THRESHOLD_ = 1048576
 run: build
@@ -151,9 +151,9 @@ bench: build
 
 train: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 640 --validation 60 --out data/outfits
-	cd model && ../$(MODEL_VENV)/bin/python -m relax --minutes 15
+	cd model && ../$(MODEL_VENV)/bin/python -m relax --minutes 10
 	cd model && { ../$(MODEL_VENV)/bin/python -m relax --minutes 60 --seed 1 & \
-		../$(MODEL_VENV)/bin/python -m train_deepsd; trained=$$?; wait; exit $$trained; }
+		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 60; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
 
 export: $(MODEL_TOOLS)

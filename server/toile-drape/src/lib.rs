@@ -27,4 +27,5 @@ pub mod shape;
 pub mod skinning;
 pub mod static_codec;
 pub mod static_pass;
+pub mod stretch;
 pub mod studio;

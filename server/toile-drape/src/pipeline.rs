@@ -203,7 +203,7 @@ fn drape_frame(
     let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
     let resolved = timing.time("resolve", || {
         if scene.request.resolve {
-            resolve(outfit, statics, &skin, &mut positions)
+            resolve(outfit, statics, &scene.fitted.lengths, &skin, &mut positions)
         } else {
             Resolved::default()
         }

@@ -6,6 +6,7 @@ use toile_geometry::normals::vertex_normals;
 use crate::outfit::Outfit;
 use crate::push_out::{Collider, Contact, Field};
 use crate::static_pass::StaticPass;
+use crate::stretch;
 
 /// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
 const SKIN_GAP: f32 = 0.003;
@@ -15,7 +16,11 @@ const LAYER_GAP: f32 = 0.002;
 const FOLD_GAP: f32 = 0.001;
 /// Rounds of smooth pushes; the last ones move single vertices.
 const SMOOTH_ROUNDS: usize = 7;
-const EXACT_ROUNDS: usize = 2;
+const EXACT_ROUNDS: usize = 5;
+/// Length over rest length that edges have at most before single vertices move.
+const STRETCH: f32 = 1.8;
+/// The same at the end, where a spike is worse than a vertex under the skin.
+const SPIKE: f32 = 2.9;
 /// Triangles with an edge longer than this are also tested at their centroids, metres.
 const COARSE_EDGE: f32 = 0.022;
 /// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
@@ -38,10 +43,12 @@ pub struct Resolved {
     pub inside_after: usize,
 }
 
-/// Moves world `positions` (welded order) out of the body and the layers below.
+/// Moves world `positions` (welded order) out of the body and the layers below; `lengths` are those of the outfit's
+/// edges at rest on the same body.
 pub fn resolve(
     outfit: &Outfit,
     statics: &StaticPass,
+    lengths: &[f32],
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
@@ -51,6 +58,9 @@ pub fn resolve(
     let inside_before = skin.inside();
     let coarse = coarse_triangles(outfit, statics);
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
+        if round >= SMOOTH_ROUNDS {
+            skin.shorten(positions, lengths, STRETCH);
+        }
         let mut need = skin.needs();
         add_centroid_needs(&skin, positions, &coarse, &mut need);
         add_layer_needs(outfit, statics, positions, &mut need);
@@ -65,6 +75,7 @@ pub fn resolve(
             }
         }
     }
+    skin.shorten(positions, lengths, SPIKE);
     Resolved { inside_before, inside_after: skin.inside(), depth_before }
 }
 
@@ -96,6 +107,13 @@ impl<'a> SkinContact<'a> {
     fn update(&mut self, v: usize, position: Vec3) {
         if let Some(contact) = self.contacts.get_mut(v) {
             *contact = self.body.contact(position, self.statics.candidates_of(v));
+        }
+    }
+
+    /// Shortens the edges beyond `limit` times their rest lengths.
+    fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: f32) {
+        for v in stretch::shorten(positions, &self.statics.edges, lengths, limit) {
+            self.update(v, positions[v]);
         }
     }
 
