@@ -68,10 +68,8 @@ impl Evaluate {
             set.bodies.len(),
             set.poses.len()
         );
-        println!(
-            "| outfit | before % | after % | edge mm before / after | stretch p99.9 before / after | max |"
-        );
-        println!("|---|---:|---:|---:|---:|---:|");
+        println!("| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max |");
+        println!("|---|---:|---:|---:|---:|---:|---:|");
         let mut rows = Vec::new();
         for path in &self.outfits {
             let (outfit, statics) = read(path, &assets, &mut networks)?;
@@ -142,13 +140,15 @@ impl Row {
     fn print(&self, name: &str) {
         let (b, a) = (&self.before, &self.after);
         println!(
-            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.2} / {:.2} | {:.1} |",
+            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.1} / {:.1} | {:.2} / {:.2} | {:.1} |",
             b.vertices_inside,
             b.centroids_inside,
             a.vertices_inside,
             a.centroids_inside,
             b.edge_mm,
             a.edge_mm,
+            b.edge_percent,
+            a.edge_percent,
             b.stretch_p999,
             a.stretch_p999,
             a.stretch_max
