@@ -22,10 +22,11 @@ import pyvista
 import trimesh
 from PIL import Image
 
-BODIES: dict[str, dict[str, float]] = {
-    "slim": {"gender": 1.0, "weight": 0.15, "height": 0.4},
-    "average": {},
-    "heavy": {"gender": 0.0, "weight": 0.9, "muscle": 0.4, "height": 0.45},
+#: Bodies of POST /v1/drapes.
+BODIES: dict[str, dict] = {
+    "slim": {"kind": "phenotypes", "values": {"gender": 1.0, "weight": 0.15, "height": 0.4}},
+    "average": {"kind": "phenotypes", "values": {}},
+    "heavy": {"kind": "measurements", "values": {"height": 170, "weight": 105}},
 }
 CELL = (200, 300)
 SKIN, CLOTH = "#d9b59b", ("#4f7ca8", "#b6504c", "#4f8f67", "#c9974a", "#77808c")
@@ -36,11 +37,11 @@ def get(server: str, path: str) -> dict:
         return json.load(answer)
 
 
-def drape(server: str, outfit: str, body: dict[str, float], pose: str, method: str) -> trimesh.Scene:
+def drape(server: str, outfit: str, body: dict, pose: str, method: str) -> trimesh.Scene:
     """The scene of one drape with its body."""
     request = {
         "outfit": outfit,
-        "body": {"kind": "phenotypes", "values": body},
+        "body": body,
         "pose": {"kind": "preset", "id": pose},
         "output": {"include": ["outfit", "body"], "method": method, "textures": False},
     }
@@ -72,7 +73,7 @@ def picture(scene: trimesh.Scene, eye: tuple[float, float, float]) -> Image.Imag
     return Image.fromarray(image).resize(CELL, Image.Resampling.LANCZOS)
 
 
-def sheet(server: str, outfits: list[str], poses: list[str], body: dict[str, float], method: str) -> Image.Image:
+def sheet(server: str, outfits: list[str], poses: list[str], body: dict, method: str) -> Image.Image:
     out = Image.new("RGB", (CELL[0] * len(poses), CELL[1] * len(outfits)), "white")
     for row, outfit in enumerate(outfits):
         for column, pose in enumerate(poses):
