@@ -67,8 +67,10 @@ def jobs(count: int, validation: int, out: Path) -> list[tuple[int, str, str]]:
 
 def _turn(i: int) -> str:
     """Family of training outfit i: every seventh has ornaments, the others follow the plain order."""
-    names = list(ORNAMENTED) if i % 7 == 6 else TRAIN_ORDER
-    return names[(i // 7 if i % 7 == 6 else i) % len(names)]
+    ornamented = i // 7
+    if i % 7 == 6:
+        return list(ORNAMENTED)[ornamented % len(ORNAMENTED)]
+    return TRAIN_ORDER[(i - ornamented) % len(TRAIN_ORDER)]
 
 
 def main() -> None:
