@@ -1,7 +1,7 @@
 """Relax hanging cloth to its equilibrium, as targets for training: `python -m relax --minutes 60`.
 
 Training by energies alone finds drapes near plain skinning; a skirt over a lap is far from it. Here the cloth of
-a drawn outfit, body and pose is moved itself, without a network, from plain skinning to the least energy: a
+a drawn outfit, body and pose is moved itself, without a network, to the least energy while the body bends: a
 quasi-Newton method whose first metric is the outfit's stretch stiffness (after Liu, Bouaziz and Kavan,
 Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). Results lie under data/relaxed,
 where a training run finds them while it runs.
@@ -23,6 +23,7 @@ from scipy.sparse.linalg import splu
 from torch import Tensor
 
 import cloth_energy
+from bending import bent
 from cloth_energy import Posed
 from energies import Fabric, RestMesh
 from garment.binding import garment_joint_names
@@ -32,7 +33,9 @@ from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_sampl
 Floats = NDArray[np.float64]
 
 #: Steps of a relaxation and pairs of differences that the metric remembers.
-STEPS, MEMORY = 120, 8
+STEPS, MEMORY = 80, 8
+#: Shares of a pose at which cloth is relaxed on the way there, and steps at each.
+ON_THE_WAY, FEW = (0.25, 0.5, 0.75), 20
 #: m, the longest move of a vertex in one step.
 LONGEST = 0.05
 #: J/m4, stiffness against absolute movement in the first metric.
@@ -56,7 +59,9 @@ def metric(mesh: RestMesh) -> csc_matrix:
     return (off + diags(own)).tocsc()
 
 
-def relax(sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: ShapedPoses, pose: Tensor) -> Tensor:
+def relax(
+    sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: ShapedPoses, pose: Tensor, steps: int = STEPS
+) -> Tensor:
     """Positions of least energy near `start`, (1, N, 3) world. pose (1,): which of the entry's poses."""
 
     def energy(x: Tensor) -> tuple[float, Floats]:
@@ -69,9 +74,9 @@ def relax(sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: S
         return total.item(), slope[0].double().numpy()
 
     solve = splu(metric(mesh)).solve
-    x, pairs = start.skinned.clone(), []
+    x, pairs = start.posed.clone(), []
     value, slope = energy(x)
-    for _ in range(STEPS):
+    for _ in range(steps):
         move = -two_loops(slope, pairs, solve)
         share, descent = min(1.0, LONGEST / np.abs(move).max()), float((slope * move).sum())
         for _ in range(10):
@@ -114,8 +119,28 @@ def skinned(sample: Sample, rest: Tensor, entry: ShapedPoses, poses: Tensor) -> 
 def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Tensor:
     """An outfit on one body, relaxed in several poses, (P, N, 3) world."""
     rest, mesh = carry(sample, bank, entry)
-    out = [relax(sample, mesh, skinned(sample, rest, entry, p[None]), bank, entry, p[None]) for p in poses]
-    return torch.cat(out)
+    return torch.cat([follow(sample, rest, mesh, bank, entry, int(p)) for p in poses])
+
+
+def follow(sample: Sample, rest: Tensor, mesh: RestMesh, bank: BodyBank, entry: ShapedPoses, pose: int) -> Tensor:
+    """An outfit (N, 3) relaxed in one pose, (1, N, 3) world, while the body bends there from the A-pose.
+
+    Skinned into a deep bend at once it would lie inside the limbs, and the nearest way out is often the wrong one.
+    """
+    away = torch.zeros_like(rest)  # from where skinning puts the cloth, in rest axes
+    for share in (*ON_THE_WAY, 1.0):
+        there, at = (bent(entry, bank, pose, share), 0) if share < 1 else (entry, pose)
+        start, turn = skinned(sample, rest, there, torch.tensor([at])), turns(sample, there, at)
+        start = replace(start, posed=start.skinned + (turn @ away[..., None])[None, ..., 0])
+        x = relax(sample, mesh, start, bank, there, torch.tensor([at]), FEW if share < 1 else STEPS)
+        away = (turn.transpose(1, 2) @ (x - start.skinned)[0][..., None])[..., 0]
+    return x
+
+
+def turns(sample: Sample, entry: ShapedPoses, pose: int) -> Tensor:
+    """How skinning turns each vertex in one pose, (N, 3, 3), not quite rotations."""
+    weight, joint = top_four(gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight))
+    return (entry.transforms[pose, :, :, :3][joint] * weight[..., None, None]).sum(1)
 
 
 def hangs(sample: Sample) -> bool:

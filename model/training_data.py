@@ -185,7 +185,8 @@ class ShapedPoses:
     apose_normals: Tensor  # (V, 3)
     maps: Tensor  # (36, 3, 4) affine map of each joint from the reference body
     missed: Tensor  # (V, 3) what those maps miss of this body
-    transforms: Tensor  # (P, 36, 3, 4)
+    joints: Tensor  # (36, 3) in the A-pose
+    transforms: Tensor  # (P, 36, 3, 4) world from A-pose
     vertices: Tensor  # (P, V, 3)
     normals: Tensor  # (P, V, 3)
     pinched: Tensor  # (P, V) where the body meets itself and leaves cloth no room
@@ -233,6 +234,7 @@ class BodyBank:
         return ShapedPoses(
             shape_vector(body, *values), apose, nearest.vertex_normals(apose[None], self.triangles)[0],
             maps, apose - blend(maps, self.reference, self.skin),
+            torch.as_tensor(shaped.joints[body.garment_joints], dtype=torch.float32),
             torch.as_tensor(np.stack(transforms), dtype=torch.float32), vertices,
             normals, torch.as_tensor(np.stack(pinched)),
         )  # fmt: skip

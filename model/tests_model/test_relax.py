@@ -10,6 +10,7 @@ import pytest
 import torch
 from torch import Tensor
 
+import bending
 import cloth_energy
 import relax
 from train_deepsd import Data, DeePSD, Schedule, Settings, Sizes, step
@@ -45,6 +46,21 @@ def test_relaxed_cloth_has_a_fraction_of_the_strain_and_stays_near_the_body(
     assert strain(skirt, bank, relaxed) < 0.2 * strain(skirt, bank, start.skinned)
     distance = torch.cdist(relaxed, entry.vertices[POSES]).min(2).values
     assert distance.max() < 0.5
+
+
+def test_bodies_bend_from_the_a_pose_to_the_pose_and_stay_whole(bank: BodyBank) -> None:
+    entry = bank.entries[1]
+    posed, joints = entry.transforms[2].double().numpy(), entry.joints.double().numpy()
+    np.testing.assert_allclose(bending.shared(posed, joints, bank.parents, 1.0), posed, atol=1e-5)
+    still = np.tile(np.eye(3, 4), (len(joints), 1, 1))
+    np.testing.assert_allclose(bending.shared(posed, joints, bank.parents, 0.0), still, atol=1e-5)
+    half = bending.shared(posed, joints, bank.parents, 0.5)
+    for j, parent in enumerate(bank.parents.tolist()):
+        if parent >= 0:
+            at = [half[k, :, :3] @ joints[j] + half[k, :, 3] for k in (j, parent)]
+            np.testing.assert_allclose(*at, atol=1e-9)
+    body = bending.bent(entry, bank, 2, 1.0)
+    assert (body.vertices[0] - entry.vertices[2]).norm(dim=1).median() < 1e-4
 
 
 def test_the_metric_turns_the_slope_of_a_quadratic_into_its_minimum() -> None:
