@@ -60,9 +60,9 @@ def metric(mesh: RestMesh) -> csc_matrix:
 
 
 def relax(
-    sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: ShapedPoses, pose: Tensor, steps: int = STEPS
+    sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: ShapedPoses, pose: Tensor, steps: int
 ) -> Tensor:
-    """Positions of least energy near `start`, (1, N, 3) world. pose (1,): which of the entry's poses."""
+    """Positions of least energy near `start`, (1, N, 3) world, or as far as `steps` go. pose (1,): of the entry's."""
 
     def energy(x: Tensor) -> tuple[float, Floats]:
         x = x.clone().requires_grad_()
@@ -111,9 +111,13 @@ def two_loops(slope: Floats, pairs: list[tuple[Floats, Floats]], solve: object) 
 @torch.no_grad()
 def skinned(sample: Sample, rest: Tensor, entry: ShapedPoses, poses: Tensor) -> Posed:
     """Plain skinning by the diffused weights of the body."""
-    prior = gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight)
-    x, up = skin(rest.expand(len(poses), -1, -1), *top_four(prior), entry.transforms[poses])
+    x, up = skin(rest.expand(len(poses), -1, -1), *influences(sample), entry.transforms[poses])
     return Posed(x, x, up)
+
+
+def influences(sample: Sample) -> tuple[Tensor, Tensor]:
+    """Diffused weights of the body at each vertex, (N, 4), and their joints, (N, 4)."""
+    return top_four(gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight))
 
 
 def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Tensor:
@@ -139,7 +143,7 @@ def follow(sample: Sample, rest: Tensor, mesh: RestMesh, bank: BodyBank, entry: 
 
 def turns(sample: Sample, entry: ShapedPoses, pose: int) -> Tensor:
     """How skinning turns each vertex in one pose, (N, 3, 3), not quite rotations."""
-    weight, joint = top_four(gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight))
+    weight, joint = influences(sample)
     return (entry.transforms[pose, :, :, :3][joint] * weight[..., None, None]).sum(1)
 
 
@@ -151,8 +155,8 @@ def chances(entry: ShapedPoses) -> Floats:
     """How often each pose is drawn, (P,): every other draw has a leg bent far at the hip."""
     names = garment_joint_names()
     legs = [names.index("upperleg01.L"), names.index("upperleg01.R")]
-    bent = (entry.transforms[:, legs, 1, 1].min(1).values < BENT).numpy()
-    share = np.where(bent, 1 / max(bent.sum(), 1), 1 / max((~bent).sum(), 1))
+    deep = (entry.transforms[:, legs, 1, 1].min(1).values < BENT).numpy()
+    share = np.where(deep, 1 / max(deep.sum(), 1), 1 / max((~deep).sum(), 1))
     return share / share.sum()
 
 

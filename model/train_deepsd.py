@@ -1,6 +1,6 @@
 """Train DeePSD without data (paper section 6): physics energies on random outfits, bodies and poses.
 
-    python -m train_deepsd --minutes 75            # checkpoints and a log under runs/
+    python -m train_deepsd --minutes 60            # checkpoints and a log under runs/
     python -m train_deepsd --resume runs/deepsd.pt
 
 Each step draws one outfit and one body shape in several poses, runs the static pass once and the
@@ -218,7 +218,7 @@ def save(net: nn.Module, out: Path, metrics: dict[str, float], count: int) -> No
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--minutes", type=float, default=75)
+    p.add_argument("--minutes", type=float, default=60)
     p.add_argument("--out", type=Path, default=RUNS / "deepsd.pt")
     p.add_argument("--resume", type=Path)
     p.add_argument("--outfits", type=Path, default=DATA / "outfits")

@@ -182,7 +182,7 @@ fn cluster(points: &[Vec3], links: &Adjacency, garment: &[u32], size: f32) -> Cl
 }
 
 /// Labels of the connected pieces of equal cells, numbered in order of their first point.
-fn components(cells: &[(glam::IVec3, u32)], links: &Adjacency) -> Vec<u32> {
+pub(crate) fn components<C: PartialEq>(cells: &[C], links: &Adjacency) -> Vec<u32> {
     let mut label = vec![u32::MAX; cells.len()];
     let (mut next, mut stack) = (0, Vec::new());
     for seed in 0..cells.len() {

@@ -10,7 +10,7 @@ use glam::Vec3;
 use toile_geometry::mesh::Adjacency;
 use toile_geometry::nearest::PointTree;
 
-use crate::graph::OutfitGraph;
+use crate::graph::{OutfitGraph, components};
 use crate::refine::Refined;
 
 /// Pieces whose bounding box has a diagonal below this are small, metres.
@@ -63,7 +63,7 @@ impl Riders {
 fn carriers(rest: &[Vec3], ring: &Adjacency, garment: &[u32]) -> Vec<Option<u32>> {
     let mut out = vec![None; rest.len()];
     let (small, large): (Vec<_>, Vec<_>) =
-        whole(pieces(rest.len(), ring), rest, garment).into_iter().partition(|piece| is_small(rest, piece));
+        pieces(rest, ring, garment).into_iter().partition(|piece| is_small(rest, piece));
     let mut carries = vec![false; rest.len()];
     large.iter().flatten().for_each(|&v| carries[v] = true);
     let Some(tree) = PointTree::new(rest, |v| !small.is_empty() && carries[v]) else { return out };
@@ -84,39 +84,18 @@ fn is_small(rest: &[Vec3], piece: &[usize]) -> bool {
     (high - low).length() < SMALL
 }
 
-/// The same pieces, those of a small garment as one.
-fn whole(pieces: Vec<Vec<usize>>, rest: &[Vec3], garment: &[u32]) -> Vec<Vec<usize>> {
-    let mut by_garment: BTreeMap<u32, Vec<Vec<usize>>> = BTreeMap::new();
-    for piece in pieces {
-        let owner = piece.first().and_then(|&v| garment.get(v)).copied().unwrap_or_default();
-        by_garment.entry(owner).or_default().push(piece);
+/// Vertices of each connected piece of a garment; those of a small garment are one piece.
+fn pieces(rest: &[Vec3], ring: &Adjacency, garment: &[u32]) -> Vec<Vec<usize>> {
+    let mut by_garment: BTreeMap<u32, BTreeMap<u32, Vec<usize>>> = BTreeMap::new();
+    for (v, (label, owner)) in components(garment, ring).into_iter().zip(garment).enumerate() {
+        by_garment.entry(*owner).or_default().entry(label).or_default().push(v);
     }
-    let joined = |pieces: Vec<Vec<usize>>| {
+    let joined = |pieces: BTreeMap<u32, Vec<usize>>| {
+        let pieces: Vec<_> = pieces.into_values().collect();
         let all = pieces.concat();
         if is_small(rest, &all) { vec![all] } else { pieces }
     };
     by_garment.into_values().flat_map(joined).collect()
-}
-
-/// Vertices of each connected piece.
-fn pieces(count: usize, ring: &Adjacency) -> Vec<Vec<usize>> {
-    let (mut seen, mut out) = (vec![false; count], Vec::new());
-    for seed in 0..count {
-        if std::mem::replace(&mut seen[seed], true) {
-            continue;
-        }
-        let (mut piece, mut next) = (vec![seed], 0);
-        while let Some(&v) = piece.get(next) {
-            next += 1;
-            for &w in ring.of(v) {
-                if !std::mem::replace(&mut seen[w as usize], true) {
-                    piece.push(w as usize);
-                }
-            }
-        }
-        out.push(piece);
-    }
-    out
 }
 
 #[cfg(test)]

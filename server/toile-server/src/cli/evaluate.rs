@@ -64,7 +64,7 @@ impl Evaluate {
         set.poses.truncate(self.poses.unwrap_or(usize::MAX));
         let motions = set.motions(&assets)?;
         println!(
-            "{method}, {} bodies x {} poses; % inside the body at vertices / triangle centroids",
+            "{method}, {} bodies x {} poses; % inside the body at vertices / triangle centroids, edges and stretch before / after",
             set.bodies.len(),
             set.poses.len()
         );
