@@ -149,11 +149,14 @@ test-model: $(MODEL_TOOLS)
 bench: build
 	$(TOILE) bench
 
+# One thread each: two runs side by side use both cores better than one.
 train: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 640 --validation 60 --out data/outfits
-	cd model && ../$(MODEL_VENV)/bin/python -m relax --minutes 10
-	cd model && { ../$(MODEL_VENV)/bin/python -m relax --minutes 60 --seed 1 & \
-		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 60; trained=$$?; wait; exit $$trained; }
+	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m training_data
+	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 5 --seed 2 & \
+		../$(MODEL_VENV)/bin/python -m relax --minutes 5; relaxed=$$?; wait; exit $$relaxed; }
+	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 30 --seed 1 & \
+		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
 
 export: $(MODEL_TOOLS)

@@ -32,31 +32,60 @@ class Posed:
 
 
 @dataclass(frozen=True)
+class Touching:
+    """Which surface is nearest to the cloth, (P poses, N vertices); it does not move with the cloth."""
+
+    body: Tensor  # (P, N) body vertex nearest to each vertex
+    lap: Tensor  # (P, N, 3) normal of the skin under each vertex where skinning puts it
+    lap_distance: Tensor  # (P, N) distance to it
+    inner: Tensor | None = None  # (P, Q) vertex of an inner garment nearest to each outer vertex
+    inner_normal: Tensor | None = None  # (P, Q, 3)
+
+
+@dataclass(frozen=True)
 class Contacts:
-    """What the cloth touches, (P poses, N vertices)."""
+    """How far the cloth is from what it touches, (P poses, N vertices)."""
 
     body: Tensor  # (P, N) clearance to the skin
     pinched: Tensor  # (P, N) nearest to a fold of the body that leaves cloth no room
-    lap: Tensor  # (P, N, 3) normal of the skin under each vertex where skinning puts it
-    lap_distance: Tensor  # (P, N) distance to it
+    lap: Tensor  # (P, N, 3) as in `Touching`
+    lap_distance: Tensor  # (P, N)
     layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
 
 
 def contacts(d: Posed, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Contacts:
-    """Clearances to the body and of outer garments to inner ones."""
+    """Clearances to the nearest points of the body and of inner garments."""
+    return clearances(d.posed, touching(d, sample, bank, entry, poses), sample, entry, poses)
+
+
+@torch.no_grad()
+def touching(
+    d: Posed, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, before: Touching | None = None
+) -> Touching:
+    """What the cloth touches; `before`: the same, of cloth that skinning puts at the same place."""
     surface, normals = entry.vertices[poses], entry.normals[poses]
-    hit = nearest.nearest(d.posed.detach(), surface, sample.candidates, bank.ring)
-    body = energies.clearance(d.posed, nearest.surface_at(surface, hit), nearest.surface_at(normals, hit))
-    under = nearest.nearest(d.skinned.detach(), surface, sample.candidates, bank.ring)
-    lap = nearest.surface_at(normals, under)
-    lap_distance = energies.clearance(d.skinned.detach(), nearest.surface_at(surface, under), lap)
+    body = nearest.nearest(d.posed, surface, sample.candidates, bank.ring)
+    if before is None:
+        under = nearest.nearest(d.skinned, surface, sample.candidates, bank.ring)
+        lap = nearest.surface_at(normals, under)
+        lap_distance = energies.clearance(d.skinned, nearest.surface_at(surface, under), lap)
+    else:
+        lap, lap_distance = before.lap, before.lap_distance
+    if not len(sample.outer):
+        return Touching(body, lap, lap_distance)
+    inner = nearest.best_of(d.posed[:, sample.outer], d.posed, sample.inner[None].expand(len(poses), -1, -1))
+    cloth_normals = nearest.vertex_normals(d.posed, sample.tables[2])
+    return Touching(body, lap, lap_distance, inner, nearest.surface_at(cloth_normals, inner))
+
+
+def clearances(x: Tensor, on: Touching, sample: Sample, entry: ShapedPoses, poses: Tensor) -> Contacts:
+    """Signed distances of cloth x (P, N, 3) to what it touches."""
+    points = nearest.surface_at(entry.vertices[poses], on.body)
+    body = energies.clearance(x, points, nearest.surface_at(entry.normals[poses], on.body))
     layer = None
-    if len(sample.outer):
-        cloth_normals = nearest.vertex_normals(d.posed.detach(), sample.tables[2])
-        x = d.posed[:, sample.outer]
-        best = nearest.best_of(x.detach(), d.posed.detach(), sample.inner[None].expand(len(poses), -1, -1))
-        layer = energies.clearance(x, nearest.surface_at(d.posed, best), nearest.surface_at(cloth_normals, best))
-    return Contacts(body, entry.pinched[poses].gather(1, hit), lap, lap_distance, layer)
+    if on.inner is not None and on.inner_normal is not None:
+        layer = energies.clearance(x[:, sample.outer], nearest.surface_at(x, on.inner), on.inner_normal)
+    return Contacts(body, entry.pinched[poses].gather(1, on.body), on.lap, on.lap_distance, layer)
 
 
 def borne(sample: Sample) -> Tensor:
@@ -64,22 +93,22 @@ def borne(sample: Sample) -> Tensor:
     return torch.exp(-sample.distance.clamp(min=0) / HANG)
 
 
-def terms(d: Posed, offset: Tensor, mesh: RestMesh, touching: Contacts, sample: Sample) -> dict[str, Tensor]:
+def terms(d: Posed, offset: Tensor, mesh: RestMesh, near: Contacts, sample: Sample) -> dict[str, Tensor]:
     """Every energy of cloth by name. offset (P, N, 3): from where skinning puts it, in any rotated frame."""
     fabric = Fabric()
     on_skin = borne(sample)
     margin = sample.distance.clamp(fabric.least, fabric.thickness)
     grip = KEEP * (0.1 + on_skin) + GRIP * torch.exp(-sample.distance.clamp(min=0) / GRIP_REACH)
-    share = torch.where(touching.pinched, PINCHED, 1.0)
+    share = torch.where(near.pinched, PINCHED, 1.0)
     out = {
         "stretch": energies.stretch(d.posed, mesh, sample.distance, fabric),
         "bend": energies.bending(d.posed, mesh, fabric),
-        "contact": energies.contact(touching.body, margin, mesh.area, fabric, share),
+        "contact": energies.contact(near.body, margin, mesh.area, fabric, share),
         "gravity": energies.weight_change(d.posed, d.up, on_skin, mesh.area, fabric),
         "hold": energies.hold(offset, grip, mesh.area),
-        "friction": energies.friction(d.posed - d.skinned, touching.lap, touching.lap_distance, mesh.area, fabric),
+        "friction": energies.friction(d.posed - d.skinned, near.lap, near.lap_distance, mesh.area, fabric),
     }
-    if touching.layer is not None:
+    if near.layer is not None:
         gap, covered = sample.layer_gap.clamp(max=0.003), mesh.area[sample.outer]
-        out["layer"] = energies.contact(touching.layer, gap, covered, fabric) * covered.sum() / mesh.area.sum()
+        out["layer"] = energies.contact(near.layer, gap, covered, fabric) * covered.sum() / mesh.area.sum()
     return out

@@ -43,9 +43,13 @@ ANCHOR = 2000.0
 #: Cosine of a thigh's turn from which a pose bends deeply.
 BENT = 0.6
 #: Vertices of an outfit at most, for the time that it takes.
-LARGEST = 5000
+LARGEST = 8000
+#: Share of an outfit that counts as hanging at least, where outfits are drawn the oftener the more of them hangs.
+LITTLE = 0.1
 #: Share of an outfit's vertices that must hang this far (m) from the skin before it is worth relaxing.
 HANGING, FAR = 0.15, 0.06
+#: Or, as of skirts however narrow: share of the vertices that both legs move by more than this much.
+SPANNING, BY_EACH = 0.03, 0.2
 
 
 def metric(mesh: RestMesh) -> csc_matrix:
@@ -62,12 +66,18 @@ def metric(mesh: RestMesh) -> csc_matrix:
 def relax(
     sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: ShapedPoses, pose: Tensor, steps: int
 ) -> Tensor:
-    """Positions of least energy near `start`, (1, N, 3) world, or as far as `steps` go. pose (1,): of the entry's."""
+    """Positions of least energy near `start`, (1, N, 3) world, or as far as `steps` go. pose (1,): of the entry's.
+
+    What the cloth touches is looked up once a step: while a step is tried, the energy is smooth.
+    """
+
+    on = cloth_energy.touching(start, sample, bank, entry, pose)
 
     def energy(x: Tensor) -> tuple[float, Floats]:
         x = x.clone().requires_grad_()
         d = replace(start, posed=x)
-        terms = cloth_energy.terms(d, x - d.skinned, mesh, cloth_energy.contacts(d, sample, bank, entry, pose), sample)
+        near = cloth_energy.clearances(x, on, sample, entry, pose)
+        terms = cloth_energy.terms(d, x - d.skinned, mesh, near, sample)
         # Holding cloth back is for networks that have not learned yet; here friction does it.
         total = torch.stack([value for name, value in terms.items() if name != "hold"]).sum()
         (slope,) = torch.autograd.grad(total, x)
@@ -75,8 +85,12 @@ def relax(
 
     solve = splu(metric(mesh)).solve
     x, pairs = start.posed.clone(), []
-    value, slope = energy(x)
+    best, lowest = x, np.inf
     for _ in range(steps):
+        on = cloth_energy.touching(replace(start, posed=x), sample, bank, entry, pose, before=on)
+        value, slope = energy(x)
+        if value < lowest:
+            best, lowest = x, value
         move = -two_loops(slope, pairs, solve)
         share, descent = min(1.0, LONGEST / np.abs(move).max()), float((slope * move).sum())
         for _ in range(10):
@@ -85,15 +99,15 @@ def relax(
             if tried_value <= value + 1e-4 * share * descent:
                 break
             share /= 2
-        else:  # the contacts have changed: forget the curvature
+        else:
             if not pairs:
                 break
             pairs = []
             continue
         pairs = [*pairs, (share * move, tried_slope - slope)][-MEMORY:]
         pairs = [(s, y) for s, y in pairs if (s * y).sum() > 1e-14]
-        x, value, slope = tried, tried_value, tried_slope
-    return x
+        x = tried
+    return best
 
 
 def two_loops(slope: Floats, pairs: list[tuple[Floats, Floats]], solve: object) -> Floats:
@@ -148,7 +162,20 @@ def turns(sample: Sample, entry: ShapedPoses, pose: int) -> Tensor:
 
 
 def hangs(sample: Sample) -> bool:
-    return bool((sample.distance > FAR).float().mean() > HANGING)
+    """Whether cloth hangs far from the skin or spans both legs."""
+    return bool((sample.distance > FAR).float().mean() > HANGING or spanning(sample) > SPANNING)
+
+
+def spanning(sample: Sample) -> float:
+    """Share of the vertices that both legs move."""
+    weight, joint = influences(sample)
+    names = garment_joint_names()
+    by = [(weight * torch.isin(joint, _legs(names, side))).sum(1) for side in (".L", ".R")]
+    return float((torch.minimum(*by) > BY_EACH).float().mean())
+
+
+def _legs(names: list[str], side: str) -> Tensor:
+    return torch.tensor([i for i, n in enumerate(names) if n.startswith(("upperleg", "lowerleg")) and n.endswith(side)])
 
 
 def chances(entry: ShapedPoses) -> Floats:
@@ -172,10 +199,11 @@ def main() -> None:
     bank, rng, started = BodyBank.for_training(), np.random.default_rng(a.seed), time.time()
     samples = [s for s in load_samples(a.outfits) if hangs(s) and len(s.vertices) <= LARGEST]
     print(f"{len(samples)} outfits hang", flush=True)
+    free = np.array([LITTLE + float((s.distance > FAR).float().mean()) for s in samples])
     a.out.mkdir(parents=True, exist_ok=True)
     count = 0
     while time.time() - started < 60 * a.minutes and count < (a.limit or 10**9):
-        sample, k = samples[rng.integers(len(samples))], int(rng.integers(len(bank.entries)))
+        sample, k = samples[rng.choice(len(samples), p=free / free.sum())], int(rng.integers(len(bank.entries)))
         entry = bank.entries[k]
         poses = torch.as_tensor(rng.choice(len(entry.vertices), a.poses, replace=False, p=chances(entry)))
         path = a.out / f"{sample.name}_{k}_{a.seed}.npz"

@@ -41,6 +41,7 @@ class Schedule:
     prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
     smooth_weights: float = 2.0
     target: float = 1000.0  # N/m3, distance of hanging cloth from where relaxation puts it, fades to a fifth at the end
+    least: float = 0.25  # share of it for cloth on the skin
     aimed: float = 0.5  # share of the draws that have relaxed cloth to aim at
 
     def target_at(self, progress: float) -> float:
@@ -144,7 +145,7 @@ def step(net: DeePSD, data: Data, rng: np.random.Generator, poses: int, progress
     d, mesh, contacts = run_one(net, sample, bank, entry, chosen)
     terms = losses(d, mesh, contacts, sample, Schedule(), progress)
     if target is not None:
-        hanging = Schedule().target_at(progress) * (1 - cloth_energy.borne(sample))
+        hanging = Schedule().target_at(progress) * (1 - cloth_energy.borne(sample)).clamp(min=Schedule.least)
         terms["target"] = energies.hold(d.posed - target.x, hanging, mesh.area)
     total = torch.stack(list(terms.values())).sum()
     total.backward()

@@ -270,3 +270,8 @@ def carry(sample: Sample, bank: BodyBank, entry: ShapedPoses) -> tuple[Tensor, R
     skin = (entry.apose, entry.apose_normals)
     v = push_out(v, sample.distance.clamp(0.001, MARGIN), skin, sample.candidates, bank.ring, field)
     return v, rest_mesh(v, sample.tables)
+
+
+if __name__ == "__main__":  # prepare every outfit beforehand, so that several runs can start together
+    for part in ("train", "validation"):
+        load_samples(DATA / "outfits" / part)

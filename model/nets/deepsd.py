@@ -10,7 +10,9 @@ Spaces: features and basis in `rest`, metres. F descriptors, R basis vectors, J 
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import Tensor, nn
@@ -21,6 +23,9 @@ SHAPE = 26
 POSE = JOINTS * 12
 #: Offsets are predicted in this unit, so that the heads work near one.
 OFFSET_UNIT = 0.03
+
+torch.sparse.check_sparse_tensor_invariants.disable()
+warnings.filterwarnings("ignore", message="Sparse CSR tensor support is in beta")
 
 
 @dataclass(frozen=True)
@@ -50,8 +55,34 @@ class Graph:
 
 def gather_mean(values: Tensor, index: Tensor, weight: Tensor) -> Tensor:
     """Weighted rows: out[i] = sum_k weight[i, k] values[index[i, k]]. values (M, F) -> (N, F)."""
+    if torch.is_grad_enabled():
+        return WeightedRows.apply(values, index, weight)
     rows = values.index_select(0, index.reshape(-1)).reshape(*index.shape, values.shape[1])
     return torch.bmm(weight.unsqueeze(1), rows).squeeze(1)
+
+
+class WeightedRows(torch.autograd.Function):
+    """`gather_mean` as products with a sparse matrix, for training; the plain form is what gets exported."""
+
+    @staticmethod
+    def forward(ctx: Any, values: Tensor, index: Tensor, weight: Tensor) -> Tensor:  # noqa: ANN401
+        ctx.index, ctx.weight, ctx.count = index, weight, len(values)
+        ends = torch.arange(0, index.numel() + 1, index.shape[1])
+        return _rows(ends, index.reshape(-1), weight.reshape(-1), len(values)) @ values
+
+    @staticmethod
+    def backward(ctx: Any, slope: Tensor) -> tuple[Tensor, None, None]:  # noqa: ANN401
+        """The transposed product, its rows by a sort; `index_add`, the gather's own gradient, is far slower."""
+        flat = ctx.index.reshape(-1)
+        order = flat.argsort()
+        ends = torch.cat([flat.new_zeros(1), flat.bincount(minlength=ctx.count).cumsum(0)])
+        rows = _rows(ends, order // ctx.index.shape[1], ctx.weight.reshape(-1)[order], len(slope))
+        return rows @ slope, None, None
+
+
+def _rows(ends: Tensor, columns: Tensor, values: Tensor, width: int) -> Tensor:
+    """Compressed sparse rows, (len(ends) - 1, width)."""
+    return torch.sparse_csr_tensor(ends, columns, values, (len(ends) - 1, width))
 
 
 class GraphConvolution(nn.Module):
@@ -167,6 +198,8 @@ def skin(rest: Tensor, weight: Tensor, joint: Tensor, transforms: Tensor) -> tup
 
     Returns posed vertices (P, N, 3) and where each vertex's rest +Y turns to (P, N, 3), without gradient.
     """
-    blended = (transforms.flatten(2)[:, joint] * weight[None, :, :, None]).sum(2)
-    blended = blended.reshape(*rest.shape[:2], 3, 4)
+    count, joints = rest.shape[0], transforms.shape[1]
+    spread = weight.new_zeros(len(joint), joints).scatter(1, joint, weight)
+    blended = spread @ transforms.transpose(0, 1).reshape(joints, -1)
+    blended = blended.reshape(len(joint), count, 3, 4).transpose(0, 1)
     return (blended[..., :3] @ rest[..., None])[..., 0] + blended[..., 3], blended[..., 1].detach()

@@ -53,6 +53,19 @@ def test_permuting_vertices_permutes_the_answers(sample: Sample, rng: np.random.
     torch.testing.assert_close(permuted_basis, basis[order], atol=1e-5, rtol=1e-3)
 
 
+def test_weighted_rows_in_training_are_those_that_are_exported(sample: Sample) -> None:
+    g = sample.graph
+    values = torch.randn(len(g.near), 7, requires_grad=True)
+    with torch.no_grad():
+        plain = gather_mean(values, g.near, g.near_weight)
+    torch.testing.assert_close(gather_mean(values, g.near, g.near_weight), plain)
+    slope = torch.randn_like(plain)
+    (got,) = torch.autograd.grad(gather_mean(values, g.near, g.near_weight), values, slope)
+    expected = torch.zeros(len(values), 7)
+    expected.index_add_(0, g.near.reshape(-1), (slope[:, None] * g.near_weight[..., None]).reshape(-1, 7))
+    torch.testing.assert_close(got, expected, atol=1e-5, rtol=1e-5)
+
+
 def test_the_a_pose_has_no_offsets(sample: Sample, bank: BodyBank) -> None:
     net = DeePSD(Sizes())
     still = torch.eye(3, 4).expand(1, 36, 3, 4)

@@ -48,6 +48,13 @@ def test_relaxed_cloth_has_a_fraction_of_the_strain_and_stays_near_the_body(
     assert distance.max() < 0.5
 
 
+def test_skirts_are_relaxed_however_narrow_and_tops_are_not(skirt: Sample, outfits: Path) -> None:
+    tank = next(s for s in OutfitPool(outfits / "train").samples if "tank" in s.name)
+    assert relax.hangs(skirt)
+    assert relax.spanning(skirt) > 2 * relax.SPANNING
+    assert not relax.hangs(tank)
+
+
 def test_bodies_bend_from_the_a_pose_to_the_pose_and_stay_whole(bank: BodyBank) -> None:
     entry = bank.entries[1]
     posed, joints = entry.transforms[2].double().numpy(), entry.joints.double().numpy()
