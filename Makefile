@@ -155,9 +155,9 @@ train: $(MODEL_TOOLS)
 	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m training_data
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 5 --seed 2 & \
 		../$(MODEL_VENV)/bin/python -m relax --minutes 5; relaxed=$$?; wait; exit $$relaxed; }
-	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 30 --seed 1 & \
+	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 48 --seed 1 & \
 		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
-	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat
+	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 8
 
 export: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m export
