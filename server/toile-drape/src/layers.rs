@@ -1,5 +1,7 @@
 //! Outer garments over inner ones: which vertices must stay outside of which.
 
+use std::collections::{HashMap, HashSet};
+
 use glam::Vec3;
 use toile_geometry::nearest::PointTree;
 use toile_geometry::normals::vertex_normals;
@@ -11,14 +13,17 @@ pub const LAYER_CANDIDATES: usize = 8;
 /// Farther apart than this at rest, two garments are not watched, metres.
 const REACH: f32 = 0.08;
 
-/// Pairs of outer vertices and the inner surface under them, by outer garment.
+/// Pairs of outer vertices and the inner surface under them, by outer garment; then, with negative gaps, pairs of
+/// vertices on open borders of inner garments and the outer surface over them.
+///
+/// The outer cloth just beyond an inner hem lies over nothing, so the hem itself must be watched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LayerContacts {
-    /// Outer vertices.
+    /// Outer vertices, or hem vertices.
     pub outer: Vec<u32>,
-    /// [`LAYER_CANDIDATES`] inner vertices each.
+    /// [`LAYER_CANDIDATES`] vertices each of the inner garments, or of those over the hem.
     pub inner: Vec<u32>,
-    /// Distance along the inner normal at rest, metres.
+    /// Distance along their normal at rest, metres; negative behind it.
     pub gap: Vec<f32>,
 }
 
@@ -52,23 +57,96 @@ impl LayerContacts {
 #[must_use]
 pub fn layer_contacts(outfit: &Outfit, rest: &[Vec3]) -> LayerContacts {
     let normals = vertex_normals(rest, &outfit.triangles);
+    let borders = open_borders(&outfit.triangles);
     let mut out = LayerContacts::default();
-    for garment in outfit.garments.iter().filter(|g| g.layer > 0) {
-        let below = |v: usize| {
-            outfit.garments.iter().any(|g| g.layer < garment.layer && g.vertices.contains(&(v as u32)))
+    for garment in &outfit.garments {
+        let of_layer = |wanted: &dyn Fn(u32) -> bool, v: usize| {
+            outfit.garments.iter().any(|g| wanted(g.layer) && g.vertices.contains(&(v as u32)))
         };
-        let Some(tree) = PointTree::new(rest, below) else { continue };
-        for v in garment.vertices.clone() {
-            let (Some(p), hits) = (rest.get(v as usize), &mut Vec::new()) else { continue };
-            hits.extend(tree.nearest_n(*p, LAYER_CANDIDATES));
-            let (Some(first), Some(last)) = (hits.first(), hits.last()) else { continue };
-            let gap = (*p - rest[first.index as usize]).dot(normals[first.index as usize]);
-            if first.distance < REACH && gap > 0.0 && gap > 0.5 * first.distance {
-                out.outer.push(v);
-                out.gap.push(gap);
-                out.inner.extend((0..LAYER_CANDIDATES).map(|k| hits.get(k).unwrap_or(last).index));
-            }
+        if let Some(below) = PointTree::new(rest, |v| of_layer(&|l| l < garment.layer, v)) {
+            out.watch(garment.vertices.clone(), 1.0, &below, rest, &normals);
+        }
+        if let Some(above) = PointTree::new(rest, |v| of_layer(&|l| l > garment.layer, v)) {
+            let hems = garment.vertices.clone().filter(|v| borders.contains(v));
+            out.watch(hems, -1.0, &above, rest, &normals);
         }
     }
     out
+}
+
+impl LayerContacts {
+    /// Adds the vertices that lie on one side (1 before, -1 behind) of the nearest of other garments' `surface`.
+    fn watch(
+        &mut self,
+        vertices: impl Iterator<Item = u32>,
+        side: f32,
+        surface: &PointTree,
+        rest: &[Vec3],
+        normals: &[Vec3],
+    ) {
+        for v in vertices {
+            let Some(p) = rest.get(v as usize) else { continue };
+            let hits: Vec<_> = surface.nearest_n(*p, LAYER_CANDIDATES);
+            let (Some(first), Some(last)) = (hits.first(), hits.last()) else { continue };
+            let gap = side * (*p - rest[first.index as usize]).dot(normals[first.index as usize]);
+            if first.distance < REACH && gap > 0.0 && gap > 0.5 * first.distance {
+                self.outer.push(v);
+                self.gap.push(side * gap);
+                self.inner.extend((0..LAYER_CANDIDATES).map(|k| hits.get(k).unwrap_or(last).index));
+            }
+        }
+    }
+}
+
+/// Vertices on edges of one triangle only.
+fn open_borders(triangles: &[[u32; 3]]) -> HashSet<u32> {
+    let mut uses: HashMap<(u32, u32), u32> = HashMap::new();
+    for [a, b, c] in triangles {
+        for (i, j) in [(*a, *b), (*b, *c), (*c, *a)] {
+            *uses.entry((i.min(j), i.max(j))).or_default() += 1;
+        }
+    }
+    uses.into_iter().filter(|(_, count)| *count == 1).flat_map(|((a, b), _)| [a, b]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outfit::Garment;
+
+    /// Sheets of 1 cm quads facing up, one garment each: (height, rows).
+    fn sheets(all: &[(f32, u32)]) -> Outfit {
+        let mut outfit = Outfit::default();
+        for (layer, (height, rows)) in all.iter().enumerate() {
+            let first = outfit.positions.len() as u32;
+            outfit.positions.extend(
+                (0..rows * 10).map(|i| Vec3::new(0.01 * (i % 10) as f32, *height, 0.01 * (i / 10) as f32)),
+            );
+            let corners = (0..10 * (rows - 1)).filter(|i| i % 10 < 9).map(|i| first + i);
+            outfit.triangles.extend(corners.flat_map(|i| [[i, i + 10, i + 1], [i + 1, i + 10, i + 11]]));
+            let vertices = first..outfit.positions.len() as u32;
+            outfit.garments.push(Garment {
+                name: layer.to_string(),
+                layer: layer as u32,
+                drawn_vertices: vertices.clone(),
+                vertices,
+                parts: vec![],
+            });
+        }
+        outfit
+    }
+
+    #[test]
+    fn a_hem_under_a_longer_garment_must_stay_behind_it() {
+        let outfit = sheets(&[(0.0, 6), (0.01, 12)]);
+        let contacts = layer_contacts(&outfit, &outfit.positions);
+        let rows: Vec<_> = contacts.iter().collect();
+        let hem = |v: usize| rows.iter().find(|r| r.0 == v && r.2 < 0.0);
+        let (_, over, gap) = hem(55).expect("the last row of the inner sheet is watched");
+        assert!((gap + 0.01).abs() < 1e-6);
+        assert!(over.iter().all(|&i| i >= 60), "against the outer sheet");
+        assert!(hem(25).is_none(), "cloth away from a border is left to the outer vertices");
+        assert!(rows.iter().any(|r| r.0 == 60 + 35 && r.2 > 0.0), "those over the inner sheet");
+        assert!(rows.iter().all(|r| r.0 != 60 + 115), "cloth beyond the hem lies over nothing");
+    }
 }

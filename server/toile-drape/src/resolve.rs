@@ -1,6 +1,7 @@
 //! After the dynamic pass: cloth out of the body, and outer garments out of inner ones, smoothly.
 
 use glam::Vec3;
+use toile_geometry::nearest::descend;
 use toile_geometry::normals::vertex_normals;
 
 use crate::outfit::Outfit;
@@ -63,7 +64,7 @@ pub fn resolve(
         }
         let mut need = skin.needs();
         add_centroid_needs(&skin, positions, &coarse, &mut need);
-        add_layer_needs(outfit, statics, positions, &mut need);
+        add_layer_needs(outfit, &skin, positions, &mut need);
         if need.iter().all(|n| *n == Vec3::ZERO) {
             break;
         }
@@ -125,6 +126,11 @@ impl<'a> SkinContact<'a> {
         self.statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP))
     }
 
+    /// How much nearer to the skin a vertex may come, metres.
+    fn room(&self, v: usize) -> f32 {
+        self.contacts.get(v).map_or(0.0, |c| (c.distance - self.gap(v)).min(c.across - FOLD_GAP).max(0.0))
+    }
+
     /// What each vertex lacks to its distance from the skin, on both sides of a fold.
     fn needs(&self) -> Vec<Vec3> {
         let push = |lack: f32, normal: Vec3| if lack > TOLERANCE { normal * lack } else { Vec3::ZERO };
@@ -165,20 +171,29 @@ fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[&[u3
     }
 }
 
-/// Adds what outer vertices lack to their distance from the inner garment under them.
-fn add_layer_needs(outfit: &Outfit, statics: &StaticPass, positions: &[Vec3], need: &mut [Vec3]) {
+/// Adds what outer vertices lack to their distance from the inner garment under them, and hems of inner garments to
+/// theirs from the garment over them; a hem gives way where it has room over the skin, otherwise the outer cloth does.
+fn add_layer_needs(outfit: &Outfit, skin: &SkinContact<'_>, positions: &[Vec3], need: &mut [Vec3]) {
+    let statics = skin.statics;
     if statics.layers.is_empty() {
         return;
     }
     let moved: Vec<Vec3> = positions.iter().zip(&*need).map(|(p, n)| *p + *n).collect();
     let normals = vertex_normals(&moved, &outfit.triangles);
-    let inner = Collider { vertices: &moved, normals: &normals, ring: &statics.ring, facing: &[] };
-    for (outer, candidates, gap) in statics.layers.iter() {
-        let Some(point) = moved.get(outer).copied() else { continue };
-        let (distance, normal) = inner.clearance(point, candidates);
-        let lack = gap.clamp(0.0005, LAYER_GAP) - distance;
-        if lack > TOLERANCE {
-            need[outer] += normal * lack;
+    for (v, candidates, gap) in statics.layers.iter() {
+        let Some(point) = moved.get(v).copied() else { continue };
+        let hit = descend(point, &moved, candidates, &statics.ring) as usize;
+        let (Some(other), Some(normal)) = (moved.get(hit), normals.get(hit).copied()) else { continue };
+        let lack = gap.abs().clamp(0.0005, LAYER_GAP) - gap.signum() * (point - *other).dot(normal);
+        if lack <= TOLERANCE {
+            continue;
+        }
+        if gap < 0.0 {
+            let back = lack.min(skin.room(v));
+            need[v] -= normal * back;
+            need[hit] += normal * (lack - back);
+        } else {
+            need[v] += normal * lack;
         }
     }
 }

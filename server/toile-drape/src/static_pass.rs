@@ -21,7 +21,7 @@ use crate::repair::{garment_of_vertex, outfit_ring, repaired};
 use crate::shape::carried_to_reference;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 5;
+pub const STATIC_FORMAT: u32 = 6;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
