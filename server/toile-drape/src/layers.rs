@@ -63,32 +63,33 @@ pub fn layer_contacts(outfit: &Outfit, rest: &[Vec3]) -> LayerContacts {
         let of_layer = |wanted: &dyn Fn(u32) -> bool, v: usize| {
             outfit.garments.iter().any(|g| wanted(g.layer) && g.vertices.contains(&(v as u32)))
         };
-        if let Some(below) = PointTree::new(rest, |v| of_layer(&|l| l < garment.layer, v)) {
-            out.watch(garment.vertices.clone(), 1.0, &below, rest, &normals);
+        if let Some(tree) = PointTree::new(rest, |v| of_layer(&|l| l < garment.layer, v)) {
+            out.watch(garment.vertices.clone(), 1.0, &Cloth { tree, rest, normals: &normals });
         }
-        if let Some(above) = PointTree::new(rest, |v| of_layer(&|l| l > garment.layer, v)) {
+        if let Some(tree) = PointTree::new(rest, |v| of_layer(&|l| l > garment.layer, v)) {
             let hems = garment.vertices.clone().filter(|v| borders.contains(v));
-            out.watch(hems, -1.0, &above, rest, &normals);
+            out.watch(hems, -1.0, &Cloth { tree, rest, normals: &normals });
         }
     }
     out
 }
 
+/// Garments that others are watched against.
+struct Cloth<'a> {
+    tree: PointTree,
+    rest: &'a [Vec3],
+    normals: &'a [Vec3],
+}
+
 impl LayerContacts {
-    /// Adds the vertices that lie on one side (1 before, -1 behind) of the nearest of other garments' `surface`.
-    fn watch(
-        &mut self,
-        vertices: impl Iterator<Item = u32>,
-        side: f32,
-        surface: &PointTree,
-        rest: &[Vec3],
-        normals: &[Vec3],
-    ) {
+    /// Adds the vertices that lie on one side (1 before, -1 behind) of the nearest of other garments' cloth.
+    fn watch(&mut self, vertices: impl Iterator<Item = u32>, side: f32, cloth: &Cloth<'_>) {
         for v in vertices {
-            let Some(p) = rest.get(v as usize) else { continue };
-            let hits: Vec<_> = surface.nearest_n(*p, LAYER_CANDIDATES);
+            let Some(p) = cloth.rest.get(v as usize) else { continue };
+            let hits: Vec<_> = cloth.tree.nearest_n(*p, LAYER_CANDIDATES);
             let (Some(first), Some(last)) = (hits.first(), hits.last()) else { continue };
-            let gap = side * (*p - rest[first.index as usize]).dot(normals[first.index as usize]);
+            let at = first.index as usize;
+            let gap = side * (*p - cloth.rest[at]).dot(cloth.normals[at]);
             if first.distance < REACH && gap > 0.0 && gap > 0.5 * first.distance {
                 self.outer.push(v);
                 self.gap.push(side * gap);
