@@ -10,17 +10,18 @@ use crate::reference::Part;
 /// Surfaces further apart than this do not pinch cloth, metres.
 pub const REACH: f32 = 0.04;
 /// Cosine of the normals of surfaces that face each other, at most.
-const OPPOSED: f32 = -0.1;
+const OPPOSED: f32 = 0.5;
 /// Stands for "no surface faces this one".
 pub const NONE: u32 = u32::MAX;
 
 /// Parts that can meet.
-const PAIRS: [(Part, Part); 5] = [
+const PAIRS: [(Part, Part); 6] = [
     (Part::Trunk, Part::ThighLeft),
     (Part::Trunk, Part::ThighRight),
     (Part::ThighLeft, Part::ThighRight),
     (Part::ThighLeft, Part::CalfLeft),
     (Part::ThighRight, Part::CalfRight),
+    (Part::CalfLeft, Part::CalfRight),
 ];
 
 /// For every body vertex the nearest one of another part that faces it within [`REACH`], or [`NONE`].

@@ -2,6 +2,7 @@
 
 pub mod arm_room;
 pub mod binding;
+pub mod contact;
 pub mod error;
 pub mod evaluation;
 pub mod features;

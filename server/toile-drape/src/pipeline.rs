@@ -9,13 +9,13 @@ use toile_geometry::body::{BodyShape, ShapedBody};
 use toile_geometry::normals::vertex_normals;
 use toile_geometry::pose::Pose;
 
+use crate::contact::Collider;
 use crate::error::DrapeError;
 use crate::fitted::{Fitted, lengths};
 use crate::methods::{MethodKind, Placement, PosedSkeleton};
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
-use crate::push_out::Collider;
 use crate::resolve::{Resolved, resolve};
 use crate::skinning::place;
 use crate::static_pass::StaticPass;

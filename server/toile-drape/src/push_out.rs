@@ -4,87 +4,8 @@
 //! neighbours and interpolated back: folds and ornaments smaller than a node move as one.
 
 use glam::Vec3;
-use toile_geometry::mesh::Adjacency;
-use toile_geometry::nearest::descend;
 
-use crate::folds;
 use crate::graph::Links;
-
-/// A surface that cloth stays outside of.
-#[derive(Clone, Copy)]
-pub struct Collider<'a> {
-    /// Vertices in the space of the cloth, metres.
-    pub vertices: &'a [Vec3],
-    /// Unit vertex normals, outwards.
-    pub normals: &'a [Vec3],
-    /// Edges of the surface.
-    pub ring: &'a Adjacency,
-    /// For every vertex the one that faces it across a fold; empty where the surface has none.
-    pub facing: &'a [u32],
-}
-
-/// What a surface says about a point near it.
-#[derive(Clone, Copy, Debug)]
-pub struct Contact {
-    /// Distance to the nearest vertex, metres.
-    pub away: f32,
-    /// Signed distance along that vertex's normal, metres.
-    pub distance: f32,
-    /// The normal.
-    pub normal: Vec3,
-    /// The same signed distance of the surface across a fold, infinite where there is none.
-    pub across: f32,
-    /// Its normal.
-    pub across_normal: Vec3,
-}
-
-impl Contact {
-    /// How deep the point lies in the body, on either side of a fold, metres; 0 outside.
-    #[must_use]
-    pub fn depth(&self) -> f32 {
-        (-self.distance.min(self.across)).max(0.0)
-    }
-
-    /// A point at least `away` metres from the surface, outside.
-    #[must_use]
-    pub const fn far(away: f32) -> Self {
-        Self { away, distance: away, normal: Vec3::Y, across: f32::INFINITY, across_normal: Vec3::ZERO }
-    }
-}
-
-impl Collider<'_> {
-    /// Signed distance of `point` along the normal of its nearest vertex, and that normal.
-    #[must_use]
-    pub fn clearance(&self, point: Vec3, candidates: &[u32]) -> (f32, Vec3) {
-        let hit = descend(point, self.vertices, candidates, self.ring);
-        let (_, distance, normal) = self.plane(point, hit);
-        (distance, normal)
-    }
-
-    /// The same, and that of the surface across the fold in which the point may lie.
-    #[must_use]
-    pub fn contact(&self, point: Vec3, candidates: &[u32]) -> Contact {
-        let hit = descend(point, self.vertices, candidates, self.ring);
-        let (away, distance, normal) = self.plane(point, hit);
-        let opposite = self.facing.get(hit as usize).copied().unwrap_or(folds::NONE);
-        let (mut across, mut across_normal) = (f32::INFINITY, Vec3::ZERO);
-        if opposite != folds::NONE {
-            let (reach, d, n) = self.plane(point, descend(point, self.vertices, &[opposite], self.ring));
-            if reach < folds::REACH {
-                (across, across_normal) = (d, n);
-            }
-        }
-        Contact { away, distance, normal, across, across_normal }
-    }
-
-    /// Distance of a point to a vertex, its signed distance along the vertex's normal, and the normal.
-    fn plane(&self, point: Vec3, vertex: u32) -> (f32, f32, Vec3) {
-        match (self.vertices.get(vertex as usize), self.normals.get(vertex as usize)) {
-            (Some(v), Some(n)) => (point.distance(*v), (point - *v).dot(*n), *n),
-            _ => (f32::INFINITY, f32::INFINITY, Vec3::Y),
-        }
-    }
-}
 
 /// The smooth field that pushes are spread over.
 #[derive(Clone, Copy)]
@@ -205,36 +126,5 @@ mod tests {
         let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near };
         let smooth = field.smoothed(vec![Vec3::X; graph.nodes.positions.len()], positions.len());
         assert!(smooth.iter().all(|v| v.distance(Vec3::X) < 1e-5));
-    }
-
-    #[test]
-    fn clearance_is_negative_behind_the_surface() {
-        let (vertices, triangles) = sheet(10);
-        let ring = Adjacency::new(vertices.len(), &triangles);
-        let normals = vec![Vec3::Y; vertices.len()];
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
-        let below = Vec3::new(0.052, -0.004, 0.047);
-        let (distance, normal) = surface.clearance(below, &[0]);
-        assert!((distance + 0.004).abs() < 1e-6);
-        assert_eq!(normal, Vec3::Y);
-    }
-
-    #[test]
-    fn in_a_fold_both_surfaces_are_asked() {
-        let (floor, triangles) = sheet(10);
-        let count = floor.len() as u32;
-        let ceiling = floor.iter().map(|p| *p - Vec3::Y * 0.002);
-        let vertices: Vec<Vec3> = floor.iter().copied().chain(ceiling).collect();
-        let normals: Vec<Vec3> =
-            (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
-        let ring = Adjacency::new(vertices.len(), &triangles);
-        let facing: Vec<u32> = (0..2 * count).map(|v| (v + count) % (2 * count)).collect();
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &facing };
-        let contact = surface.contact(floor[44] - Vec3::Y * 0.0005, &[44]);
-        assert!((contact.distance + 0.0005).abs() < 1e-6);
-        assert!((contact.across + 0.0015).abs() < 1e-6, "{contact:?}");
-        assert_eq!(contact.across_normal, Vec3::NEG_Y);
-        let far = surface.contact(floor[44] + Vec3::Y * 0.1, &[44]);
-        assert_eq!(far.across, f32::INFINITY, "out of the fold's reach");
     }
 }

@@ -4,8 +4,9 @@ use glam::Vec3;
 use toile_geometry::nearest::descend;
 use toile_geometry::normals::vertex_normals;
 
+use crate::contact::{Collider, Contact};
 use crate::outfit::Outfit;
-use crate::push_out::{Collider, Contact, Field};
+use crate::push_out::Field;
 use crate::static_pass::StaticPass;
 use crate::stretch;
 
@@ -111,6 +112,13 @@ impl<'a> SkinContact<'a> {
         }
     }
 
+    /// The skin at a point between the corners of a triangle, looked for from what is nearest to each of them.
+    fn between(&self, corners: [usize; 3], point: Vec3) -> Option<Contact> {
+        let [a, b, c] = corners.map(|v| self.contacts.get(v).and_then(|c| c.hit));
+        let first = a.or(b).or(c)?;
+        Some(self.body.contact(point, &[a.unwrap_or(first), b.unwrap_or(first), c.unwrap_or(first)]))
+    }
+
     /// Shortens the edges beyond `limit` times their rest lengths.
     fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: f32) {
         for v in stretch::shorten(positions, &self.statics.edges, lengths, limit) {
@@ -133,10 +141,7 @@ impl<'a> SkinContact<'a> {
 
     /// What each vertex lacks to its distance from the skin, on both sides of a fold.
     fn needs(&self) -> Vec<Vec3> {
-        let push = |lack: f32, normal: Vec3| if lack > TOLERANCE { normal * lack } else { Vec3::ZERO };
-        let need = |(v, c): (usize, &Contact)| {
-            push(self.gap(v) - c.distance, c.normal) + push(FOLD_GAP - c.across, c.across_normal)
-        };
+        let need = |(v, c): (usize, &Contact)| c.way_out(self.gap(v), FOLD_GAP, TOLERANCE);
         self.contacts.iter().enumerate().map(need).collect()
     }
 }
@@ -161,11 +166,11 @@ fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[&[u3
             continue;
         }
         let centroid = (a + b + c) / 3.0;
-        let (distance, normal) = skin.body.clearance(centroid, skin.statics.candidates_of(corner[0]));
-        let lack = 0.5 * skin.gap(corner[0]) - distance;
-        for v in corner.into_iter().filter(|_| lack > TOLERANCE) {
-            if need[v].length_squared() < lack * lack {
-                need[v] = normal * lack;
+        let Some(contact) = skin.between(corner, centroid) else { continue };
+        let way = contact.way_out(0.5 * skin.gap(corner[0]), 0.5 * FOLD_GAP, TOLERANCE);
+        for v in corner {
+            if need[v].length_squared() < way.length_squared() {
+                need[v] = way;
             }
         }
     }
@@ -195,5 +200,89 @@ fn add_layer_needs(outfit: &Outfit, skin: &SkinContact<'_>, positions: &[Vec3], 
         } else {
             need[v] += normal * lack;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::binding::CANDIDATES;
+    use crate::graph::OutfitGraph;
+    use crate::layers::{layer_contacts, sheets};
+    use toile_geometry::mesh::{Adjacency, edges};
+    use toile_geometry::nearest::PointTree;
+
+    /// A body surface of 1 cm quads over [-5, 15) cm each way at the height `y(x)`, with its edges.
+    fn ground(y: impl Fn(f32) -> f32) -> (Vec<Vec3>, Vec<Vec3>, Adjacency) {
+        let at = |i: u32| 0.01 * i as f32 - 0.05;
+        let vertices: Vec<Vec3> =
+            (0..400).map(|i| Vec3::new(at(i % 20), y(at(i % 20)), at(i / 20))).collect();
+        let corners = (0..380).filter(|i| i % 20 < 19);
+        let triangles: Vec<_> = corners.flat_map(|i| [[i, i + 20, i + 1], [i + 1, i + 20, i + 21]]).collect();
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        (vertices.clone(), vertex_normals(&vertices, &triangles), ring)
+    }
+
+    /// Resolves `moved` cloth whose rest pose is the outfit's, over a ground of the height `y(x)`.
+    fn resolved(outfit: &Outfit, y: impl Fn(f32) -> f32, mut moved: Vec<Vec3>) -> Vec<Vec3> {
+        let (vertices, normals, ring) = ground(y);
+        let tree = PointTree::new(&vertices, |_| true).expect("a ground");
+        let graph = OutfitGraph::new(&outfit.positions, &outfit.triangles, &vec![0; moved.len()]);
+        let near = |p: &Vec3| [tree.nearest(*p).index; CANDIDATES];
+        let statics = StaticPass {
+            rest: outfit.positions.clone(),
+            clearance: vec![0.01; moved.len()],
+            candidates: graph.nodes.positions.iter().flat_map(near).collect(),
+            layers: layer_contacts(outfit, &outfit.positions),
+            edges: edges(&outfit.triangles),
+            ring: Adjacency::new(moved.len(), &outfit.triangles),
+            vertex_from_node: graph.vertex_from_node,
+            near: graph.near,
+            ..StaticPass::default()
+        };
+        let lengths = vec![0.02; statics.edges.len()];
+        let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
+        resolve(outfit, &statics, &lengths, &body, &mut moved);
+        moved
+    }
+
+    /// An inner sheet whose hem came 6 mm through the longer sheet over it.
+    fn hem_out() -> (Outfit, Vec<Vec3>) {
+        let outfit = sheets(&[(0.0, 6), (0.01, 12)]);
+        let mut moved = outfit.positions.clone();
+        moved[40..60].iter_mut().for_each(|p| p.y = 0.016);
+        (outfit, moved)
+    }
+
+    #[test]
+    fn a_hem_that_came_out_goes_back_where_it_has_room() {
+        let (outfit, moved) = hem_out();
+        let after = resolved(&outfit, |_| -0.1, moved);
+        let highest = after[40..60].iter().map(|p| p.y).fold(f32::MIN, f32::max);
+        let over = after[60..].iter().map(|p| p.y).fold(f32::MAX, f32::min);
+        assert!(highest < over, "the hem at {highest} lies under the cloth at {over}");
+        assert!(highest < 0.012, "most of the way is the hem's");
+    }
+
+    #[test]
+    fn over_the_skin_the_outer_cloth_gives_way_to_a_hem() {
+        let (outfit, moved) = hem_out();
+        let after = resolved(&outfit, |_| 0.012, moved);
+        let lowest = after[50..60].iter().map(|p| p.y).fold(f32::MAX, f32::min);
+        assert!(lowest > 0.014, "the hem keeps out of the skin at 0.012: {lowest}");
+        let above = |v: usize| after[60 + v].y - after[v].y;
+        assert!((51..59).all(|v| above(v) > 0.0), "{:?}", (50..60).map(above).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_coarse_triangle_clears_a_ridge_between_its_corners() {
+        let corner = |x: f32, z: f32| Vec3::new(x, 0.025, z);
+        let positions = vec![corner(0.0, 0.0), corner(0.0, 0.06), corner(0.06, 0.03)];
+        let triangles = vec![[0, 1, 2]];
+        let outfit = Outfit { positions: positions.clone(), triangles, ..Outfit::default() };
+        let ridge = |x: f32| 0.03 - 0.6 * (x - 0.02).abs();
+        let after = resolved(&outfit, ridge, positions.clone());
+        let height = |p: &[Vec3]| p.iter().sum::<Vec3>().y / 3.0;
+        assert!(height(&positions) < 0.03 && height(&after) > 0.03, "{after:?}");
     }
 }

@@ -5,8 +5,9 @@ use toile_geometry::body::{Body, BodyShape};
 use toile_geometry::nearest::PointTree;
 use toile_geometry::normals::vertex_normals;
 
+use crate::contact::Collider;
 use crate::outfit::Outfit;
-use crate::push_out::{Collider, Field};
+use crate::push_out::Field;
 use crate::reference::{GARMENT_JOINTS, ReferenceBody};
 use crate::static_pass::StaticPass;
 

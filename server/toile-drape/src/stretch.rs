@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 /// Sweeps over the edges at most.
-const SWEEPS: usize = 10;
+const SWEEPS: usize = 40;
 
 /// Shortens edges to `limit` times their rest `lengths`, metres; tells which vertices moved.
 pub fn shorten(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32], limit: f32) -> Vec<usize> {

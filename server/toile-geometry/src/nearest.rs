@@ -59,6 +59,7 @@ const DESCENTS: usize = 4;
 ///
 /// Candidates come from the rest pose, so cloth keeps to its own side of a limb.
 #[must_use]
+#[inline]
 pub fn descend(query: Vec3, surface: &[Vec3], candidates: &[u32], ring: &Adjacency) -> u32 {
     let squared = |i: u32| surface.get(i as usize).map_or(f32::INFINITY, |p| p.distance_squared(query));
     let mut best = candidates.first().copied().unwrap_or(0);

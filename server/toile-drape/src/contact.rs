@@ -1,0 +1,190 @@
+//! What a surface says about the cloth near it, and the way out of it.
+
+use glam::Vec3;
+use toile_geometry::mesh::Adjacency;
+use toile_geometry::nearest::descend;
+
+use crate::folds;
+
+/// A surface that cloth stays outside of.
+#[derive(Clone, Copy)]
+pub struct Collider<'a> {
+    /// Vertices in the space of the cloth, metres.
+    pub vertices: &'a [Vec3],
+    /// Unit vertex normals, outwards.
+    pub normals: &'a [Vec3],
+    /// Edges of the surface.
+    pub ring: &'a Adjacency,
+    /// For every vertex the one that faces it across a fold; empty where the surface has none.
+    pub facing: &'a [u32],
+}
+
+/// Square of the sine of a fold's angle below which its mouth is not looked for.
+const NARROWEST: f32 = 0.05;
+/// Longest way out of a fold taken at once, metres.
+const LONGEST_WAY: f32 = 0.02;
+
+/// What a surface says about a point near it.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact {
+    /// The nearest vertex, as far as it was looked for.
+    pub hit: Option<u32>,
+    /// Distance to the nearest vertex, metres.
+    pub away: f32,
+    /// Signed distance along that vertex's normal, metres.
+    pub distance: f32,
+    /// The normal.
+    pub normal: Vec3,
+    /// The same signed distance of the surface across a fold, infinite where there is none.
+    pub across: f32,
+    /// Its normal.
+    pub across_normal: Vec3,
+}
+
+impl Contact {
+    /// How deep the point lies in the body, on either side of a fold, metres; 0 outside.
+    #[must_use]
+    pub fn depth(&self) -> f32 {
+        (-self.distance.min(self.across)).max(0.0)
+    }
+
+    /// The shortest way to `gap` in front of this surface and `fold_gap` in front of the one across the fold, metres;
+    /// none where neither lacks more than `tolerance`. Where the surfaces meet, it leads to the fold's mouth.
+    #[must_use]
+    pub fn way_out(&self, gap: f32, fold_gap: f32, tolerance: f32) -> Vec3 {
+        let (lack, lack_across) = (gap - self.distance, fold_gap - self.across);
+        if lack <= tolerance && lack_across <= tolerance {
+            return Vec3::ZERO;
+        }
+        let between = self.normal.dot(self.across_normal);
+        if lack_across <= between * lack.max(0.0) {
+            return self.normal * lack;
+        }
+        if lack <= between * lack_across.max(0.0) {
+            return self.across_normal * lack_across;
+        }
+        let square = (1.0 - between * between).max(NARROWEST);
+        let way = self.normal * (lack - between * lack_across)
+            + self.across_normal * (lack_across - between * lack);
+        (way / square).clamp_length_max(LONGEST_WAY)
+    }
+
+    /// A point at least `away` metres from the surface, outside.
+    #[must_use]
+    pub const fn far(away: f32) -> Self {
+        Self {
+            hit: None,
+            away,
+            distance: away,
+            normal: Vec3::Y,
+            across: f32::INFINITY,
+            across_normal: Vec3::ZERO,
+        }
+    }
+}
+
+impl Collider<'_> {
+    /// Signed distance of `point` along the normal of its nearest vertex, and that normal.
+    #[must_use]
+    pub fn clearance(&self, point: Vec3, candidates: &[u32]) -> (f32, Vec3) {
+        let hit = descend(point, self.vertices, candidates, self.ring);
+        let (_, distance, normal) = self.plane(point, hit);
+        (distance, normal)
+    }
+
+    /// The same, and that of the surface across the fold in which the point may lie.
+    #[must_use]
+    pub fn contact(&self, point: Vec3, candidates: &[u32]) -> Contact {
+        let hit = descend(point, self.vertices, candidates, self.ring);
+        let (away, distance, normal) = self.plane(point, hit);
+        let opposite = self.facing.get(hit as usize).copied().unwrap_or(folds::NONE);
+        let (mut across, mut across_normal) = (f32::INFINITY, Vec3::ZERO);
+        if opposite != folds::NONE {
+            let (reach, d, n) = self.plane(point, descend(point, self.vertices, &[opposite], self.ring));
+            if reach < folds::REACH {
+                (across, across_normal) = (d, n);
+            }
+        }
+        Contact { hit: Some(hit), away, distance, normal, across, across_normal }
+    }
+
+    /// Distance of a point to a vertex, its signed distance along the vertex's normal, and the normal.
+    fn plane(&self, point: Vec3, vertex: u32) -> (f32, f32, Vec3) {
+        match (self.vertices.get(vertex as usize), self.normals.get(vertex as usize)) {
+            (Some(v), Some(n)) => (point.distance(*v), (point - *v).dot(*n), *n),
+            _ => (f32::INFINITY, f32::INFINITY, Vec3::Y),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square sheet in the ground plane, `side` vertices of 1 cm each way.
+    fn sheet(side: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let at = |i: u32| Vec3::new((i % side) as f32 * 0.01 + 0.003, 0.0, (i / side) as f32 * 0.01 + 0.003);
+        let corners = (0..side * (side - 1)).filter(|i| i % side + 1 < side);
+        let triangles =
+            corners.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
+        ((0..side * side).map(at).collect(), triangles)
+    }
+
+    #[test]
+    fn clearance_is_negative_behind_the_surface() {
+        let (vertices, triangles) = sheet(10);
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        let normals = vec![Vec3::Y; vertices.len()];
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
+        let below = Vec3::new(0.052, -0.004, 0.047);
+        let (distance, normal) = surface.clearance(below, &[0]);
+        assert!((distance + 0.004).abs() < 1e-6);
+        assert_eq!(normal, Vec3::Y);
+    }
+
+    fn between(distance: f32, normal: Vec3, across: f32, across_normal: Vec3) -> Contact {
+        Contact { hit: None, away: 0.0, distance, normal, across, across_normal }
+    }
+
+    #[test]
+    fn the_way_out_of_one_surface_is_along_its_normal() {
+        let one = between(-0.004, Vec3::Y, f32::INFINITY, Vec3::ZERO);
+        assert!(one.way_out(0.003, 0.001, 0.0).distance(Vec3::Y * 0.007) < 1e-7);
+        let clear = between(0.004, Vec3::Y, 0.002, Vec3::X);
+        assert_eq!(clear.way_out(0.003, 0.001, 0.0), Vec3::ZERO);
+        let across = between(0.01, Vec3::Y, -0.002, Vec3::X);
+        assert!(across.way_out(0.003, 0.001, 0.0).distance(Vec3::X * 0.003) < 1e-7);
+    }
+
+    #[test]
+    fn the_way_out_of_a_fold_leads_out_of_both_its_surfaces() {
+        let (left, right) = (Vec3::new(0.96, 0.28, 0.0), Vec3::new(-0.6, 0.8, 0.0));
+        let fold = between(-0.004, left, -0.001, right);
+        let way = fold.way_out(0.003, 0.001, 0.0);
+        assert!((way.dot(left) - 0.007).abs() < 1e-6 && (way.dot(right) - 0.002).abs() < 1e-6, "{way}");
+        let closed = between(-0.01, Vec3::X, -0.01, Vec3::NEG_X);
+        assert!(
+            closed.way_out(0.003, 0.001, 0.0).length() <= LONGEST_WAY + 1e-6,
+            "no jump where there is none"
+        );
+    }
+
+    #[test]
+    fn in_a_fold_both_surfaces_are_asked() {
+        let (floor, triangles) = sheet(10);
+        let count = floor.len() as u32;
+        let ceiling = floor.iter().map(|p| *p - Vec3::Y * 0.002);
+        let vertices: Vec<Vec3> = floor.iter().copied().chain(ceiling).collect();
+        let normals: Vec<Vec3> =
+            (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        let facing: Vec<u32> = (0..2 * count).map(|v| (v + count) % (2 * count)).collect();
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &facing };
+        let contact = surface.contact(floor[44] - Vec3::Y * 0.0005, &[44]);
+        assert!((contact.distance + 0.0005).abs() < 1e-6);
+        assert!((contact.across + 0.0015).abs() < 1e-6, "{contact:?}");
+        assert_eq!(contact.across_normal, Vec3::NEG_Y);
+        let far = surface.contact(floor[44] + Vec3::Y * 0.1, &[44]);
+        assert_eq!(far.across, f32::INFINITY, "out of the fold's reach");
+    }
+}
