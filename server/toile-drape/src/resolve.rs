@@ -8,7 +8,7 @@ use crate::contact::{Collider, Contact};
 use crate::outfit::Outfit;
 use crate::push_out::Field;
 use crate::static_pass::StaticPass;
-use crate::stretch;
+use crate::stretch::{self, Limit};
 
 /// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
 const SKIN_GAP: f32 = 0.003;
@@ -19,10 +19,10 @@ const FOLD_GAP: f32 = 0.001;
 /// Rounds of smooth pushes; the last ones move single vertices.
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
-/// Length over rest length that edges have at most before single vertices move.
-const STRETCH: f32 = 1.8;
+/// How long edges may be before single vertices move.
+const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
-const SPIKE: f32 = 2.9;
+const SPIKE: Limit = Limit { stretch: 2.9, rounds: 6 };
 /// Triangles with an edge longer than this are also tested at their centroids, metres.
 const COARSE_EDGE: f32 = 0.022;
 /// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
@@ -119,8 +119,8 @@ impl<'a> SkinContact<'a> {
         Some(self.body.contact(point, &[a.unwrap_or(first), b.unwrap_or(first), c.unwrap_or(first)]))
     }
 
-    /// Shortens the edges beyond `limit` times their rest lengths.
-    fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: f32) {
+    /// Shortens the edges beyond the limit.
+    fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: Limit) {
         for v in stretch::shorten(positions, &self.statics.edges, lengths, limit) {
             self.update(v, positions[v]);
         }
