@@ -19,10 +19,10 @@ from .held_out import held_out, write_obj
 from .mesh import GarmentMesh, OutfitMesh, edges_of
 
 
-def quarter(garment: GarmentMesh) -> GarmentMesh:
-    """About a quarter of the vertices."""
+def coarser(garment: GarmentMesh, share: float) -> GarmentMesh:
+    """About that share of the vertices, by quadric decimation."""
     faces = np.insert(garment.triangles, 0, 3, axis=1)
-    coarse = pyvista.PolyData(garment.vertices, faces).decimate(0.75).clean()
+    coarse = pyvista.PolyData(garment.vertices, faces).decimate(1 - share).clean()
     return replace(garment, vertices=np.asarray(coarse.points, float), triangles=coarse.faces.reshape(-1, 4)[:, 1:])
 
 
@@ -47,7 +47,7 @@ def main() -> None:
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     for i, outfit in held_out(args.count):
-        for name, change in (("quarter", quarter), ("once", lambda g: g), ("four", four_times)):
+        for name, change in (("quarter", lambda g: coarser(g, 0.25)), ("once", lambda g: g), ("four", four_times)):
             changed = OutfitMesh(outfit.family, outfit.seed, [change(g) for g in outfit.garments])
             write_obj(changed, args.out / f"{name}_{i:02d}_{outfit.family}.obj")
             print(name, outfit.family, changed.vertex_count, flush=True)

@@ -96,7 +96,7 @@ pub struct Part {
 }
 
 /// One connected piece of clothing, with the small pieces (buttons, pockets) that it carries.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Garment {
     /// Unique within the outfit.
     pub name: String,

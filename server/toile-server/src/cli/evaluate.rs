@@ -12,6 +12,7 @@ use toile_drape::pipeline::{DrapeRequest, Motion, drape};
 use toile_drape::static_pass::StaticPass;
 use toile_onnx::OnnxNetworks;
 
+use super::kept_drapes::KeptDrapes;
 use super::{Failure, Parts};
 use crate::assets::Assets;
 use crate::requests::{BodyRequest, DrapeBody, PoseRequest};
@@ -32,6 +33,9 @@ pub struct Evaluate {
     /// Use only this many poses of the set
     #[arg(long, value_name = "N")]
     poses: Option<usize>,
+    /// Also write every drape into this folder, a safetensors file an outfit
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
     /// Print the pose with the largest stretch of every outfit
     #[arg(long)]
     worst: bool,
@@ -70,18 +74,11 @@ impl Evaluate {
         );
         println!("| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max |");
         println!("|---|---:|---:|---:|---:|---:|---:|");
+        let judge = Judge { assets: &assets, method, motions: &motions, keep: self.keep.as_deref() };
         let mut rows = Vec::new();
         for path in &self.outfits {
-            let (outfit, statics) = read(path, &assets, &mut networks)?;
-            let mut frames = Vec::new();
-            for motion in &motions {
-                let work =
-                    DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
-                let before = figures(&assets, &work, &mut networks)?;
-                let after = figures(&assets, &DrapeRequest { resolve: true, ..work }, &mut networks)?;
-                frames.extend(before.into_iter().zip(after));
-            }
             let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+            let frames = judge.frames(path, &name, &mut networks)?;
             if self.worst {
                 report_worst(&name, &frames, set.poses.len());
             }
@@ -93,6 +90,44 @@ impl Evaluate {
         let column = |f: fn(&Row) -> Figures| Figures::mean(&rows.iter().map(f).collect::<Vec<_>>());
         Row { before: column(|r| r.before), after: column(|r| r.after) }.print("**mean**");
         Ok(())
+    }
+}
+
+/// What every outfit is draped on, and how.
+struct Judge<'a> {
+    assets: &'a Assets,
+    method: MethodKind,
+    motions: &'a [Motion],
+    keep: Option<&'a Path>,
+}
+
+impl Judge<'_> {
+    /// Figures of an outfit's frames before and after the resolve; keeps the drapes where that is asked for.
+    fn frames(
+        &self,
+        path: &Path,
+        name: &str,
+        networks: &mut dyn Networks,
+    ) -> Result<Vec<(Figures, Figures)>, Failure> {
+        let (outfit, statics) = read(path, self.assets, networks)?;
+        let (mut frames, mut drapes) = (Vec::new(), KeptDrapes::default());
+        let (studio, method) = (&self.assets.studio, self.method);
+        for motion in self.motions {
+            let work = DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
+            let before = drape(studio, &work, networks)?.frames;
+            let after = drape(studio, &DrapeRequest { resolve: true, ..work }, networks)?.frames;
+            let shaped = self.assets.shaped(&motion.shape);
+            let fitted = statics.fitted(studio, &motion.shape, &shaped);
+            let measure = |f| Figures::measure(&outfit, f, &statics.edges, &fitted.lengths);
+            frames.extend(before.iter().map(measure).zip(after.iter().map(measure)));
+            if self.keep.is_some() {
+                drapes.add((&fitted.rest, &shaped.apose_vertices), &before, &after);
+            }
+        }
+        if let Some(folder) = self.keep {
+            drapes.write(&outfit, self.motions.len(), &folder.join(format!("{name}.safetensors")))?;
+        }
+        Ok(frames)
     }
 }
 
@@ -113,20 +148,6 @@ fn read(path: &Path, assets: &Assets, networks: &mut dyn Networks) -> Result<(Ou
     let (outfit, _) = upload.read(&std::fs::read(path)?, assets)?;
     let statics = assets.studio.static_pass(&outfit, &upload.fitted_on(assets)?, networks)?;
     Ok((outfit, statics))
-}
-
-/// Figures of every frame; strain is against the same body's A-pose rest.
-fn figures(
-    assets: &Assets,
-    work: &DrapeRequest<'_>,
-    networks: &mut dyn Networks,
-) -> Result<Vec<Figures>, Failure> {
-    let shape = &work.motion.shape;
-    let shaped = assets.shaped(shape);
-    let fitted = work.statics.fitted(&assets.studio, shape, &shaped);
-    let draped = drape(&assets.studio, work, networks)?;
-    let measure = |frame| Figures::measure(work.outfit, frame, &work.statics.edges, &fitted.lengths);
-    Ok(draped.frames.iter().map(measure).collect())
 }
 
 fn report_worst(name: &str, frames: &[(Figures, Figures)], poses: usize) {

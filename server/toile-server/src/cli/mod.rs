@@ -5,6 +5,7 @@ mod check;
 mod drape;
 mod evaluate;
 mod ingest;
+mod kept_drapes;
 mod poses;
 mod serve;
 

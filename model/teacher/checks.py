@@ -1,0 +1,88 @@
+"""Whether a simulated drape can be a target: at rest, whole, outside of the body and of itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from body.anny_body import vertex_normals
+from garment.graph import mesh_edges
+
+Floats = NDArray[np.floating]
+Ints = NDArray[np.integer]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a target may have at most."""
+
+    residual: float = 2e-3  # m that the vertices still move on average, see `simulation.Settings`
+    inside: float = 0.01  # share of the vertices behind the skin
+    stretch: float = 2.0  # 99.9th percentile of length over rest length
+    crossed: float = 0.01  # share of the edges that newly pass through a triangle of the cloth
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Figures of one simulated drape."""
+
+    residual: float
+    inside: float
+    stretch: float
+    crossed: float
+
+    def fault(self, limits: Limits) -> str | None:
+        """The first limit that is broken, none for a target; not a number breaks all."""
+        for name in Limits.__dataclass_fields__:
+            if not getattr(self, name) <= getattr(limits, name):
+                return name
+        return None
+
+
+def judge(
+    x: Floats, residual: float, start: tuple[Floats, Floats], triangles: Ints, body: tuple[Floats, Ints]
+) -> Judged:
+    """Judges cloth x (N, 3) that started at start[0] with rest pose start[1] on a body, (V, 3) and (F, 3)."""
+    if not np.isfinite(x).all():
+        return Judged(np.nan, np.nan, np.nan, np.nan)
+    used = np.unique(body[1])
+    normals = vertex_normals(*body)[used]
+    hit = cKDTree(body[0][used]).query(x)[1]
+    inside = ((x - body[0][used][hit]) * normals[hit]).sum(1) < 0
+    edges = mesh_edges(triangles)
+    ratio = lengths(x, edges) / np.maximum(lengths(start[1], edges), 1e-5)
+    crossed = np.setdiff1d(crossing(x, triangles, edges), crossing(start[0], triangles, edges))
+    return Judged(residual, float(inside.mean()), float(np.quantile(ratio, 0.999)), len(crossed) / len(edges))
+
+
+def lengths(x: Floats, edges: Ints) -> Floats:
+    """(E,) of edges (E, 2)."""
+    return np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
+
+
+def crossing(x: Floats, triangles: Ints, edges: Ints) -> Ints:
+    """Numbers of the edges that pass through a triangle of the same cloth which they do not touch."""
+    middle, centre = x[edges].mean(1), x[triangles].mean(1)
+    reach = lengths(x, edges) / 2 + np.linalg.norm(x[triangles] - centre[:, None], axis=2).max()
+    pairs = cKDTree(centre).query_ball_point(middle, reach)
+    e = np.repeat(np.arange(len(edges)), [len(p) for p in pairs])
+    t = np.concatenate([np.asarray(p, np.int64) for p in pairs])
+    apart = ~(triangles[t][:, :, None] == edges[e][:, None, :]).any((1, 2))
+    e, t = e[apart], t[apart]
+    return np.unique(e[_passes(x[edges[e]], x[triangles[t]])])
+
+
+def _passes(segment: Floats, triangle: Floats) -> NDArray[np.bool_]:
+    """Whether segments (K, 2, 3) pass through triangles (K, 3, 3), by Möller and Trumbore (1997)."""
+    p, d = segment[:, 0], segment[:, 1] - segment[:, 0]
+    a, u, v = triangle[:, 0], triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
+    h = np.cross(d, v)
+    det = (u * h).sum(1)
+    safe = np.where(np.abs(det) < 1e-14, np.inf, det)
+    s = p - a
+    q = np.cross(s, u)
+    along_u, along_v, at = (s * h).sum(1) / safe, (d * q).sum(1) / safe, (v * q).sum(1) / safe
+    return (along_u > 0) & (along_v > 0) & (along_u + along_v < 1) & (at > 0) & (at < 1) & np.isfinite(safe)

@@ -1,0 +1,42 @@
+"""What decides whether a simulated drape can be a target, without the simulator."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garment.graph import mesh_edges
+from teacher.checks import Judged, Limits, crossing
+from teacher.waistbands import held
+
+
+def tube(around: int, rows: int, radius: float, top: float) -> tuple[np.ndarray, np.ndarray]:
+    """A tube of rows 5 cm apart, from the top down: vertices and triangles."""
+    angle = 2 * np.pi * np.arange(around) / around
+    ring = np.stack([radius * np.cos(angle), np.zeros(around), radius * np.sin(angle)], 1)
+    v = np.concatenate([ring + np.array([0, top - 0.05 * r, 0]) for r in range(rows)])
+    quads = [(r * around + k, r * around + (k + 1) % around) for r in range(rows - 1) for k in range(around)]
+    t = [t for a, b in quads for t in ((a, b, a + around), (b, b + around, a + around))]
+    return v, np.array(t)
+
+
+def test_an_edge_through_a_triangle_is_found_and_neighbours_are_not() -> None:
+    v, t = tube(16, 6, 0.1, 1.0)
+    assert not len(crossing(v, t, mesh_edges(t)))
+    v[0] = [-0.12, 0.93, 0.0]  # through the opposite side
+    found = crossing(v, t, mesh_edges(t))
+    assert {0, 1, 2} <= set(found.tolist()), "the edges of the vertex that moved"
+
+
+def test_a_skirt_is_held_at_its_waist_and_a_shirt_is_not() -> None:
+    body, _ = tube(32, 30, 0.09, 1.45)
+    skirt, t = tube(16, 8, 0.1, 1.0)
+    garment = np.zeros(len(skirt), int)
+    assert set(held(skirt, t, garment, body, 1.3)) == set(range(16))
+    assert not len(held(skirt + np.array([0, 0.4, 0]), t, garment, body, 1.3)), "it hangs from the shoulders"
+    assert not len(held(skirt * np.array([2, 1, 2]), t, garment, body, 1.3)), "its border is not on the skin"
+
+
+def test_what_is_not_a_number_is_no_target() -> None:
+    assert Judged(1e-4, 0.0, 1.2, 0.0).fault(Limits()) is None
+    assert Judged(1e-4, 0.2, 1.2, 0.0).fault(Limits()) == "inside"
+    assert Judged(np.nan, np.nan, np.nan, np.nan).fault(Limits()) == "residual"
