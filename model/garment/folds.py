@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 #: Surfaces further apart than this do not pinch cloth.
 REACH = 0.04
-#: Cosine of the normals of surfaces that face each other, at most.
+#: Cosine of the normals of surfaces that face each other, at most; the resolve takes open creases for folds too.
 OPPOSED = -0.1
 #: Least gap between two surfaces that leaves room for cloth.
 ROOM = 0.012

@@ -36,8 +36,8 @@ TOILE = Path(__file__).parents[2] / "target" / "release" / "toile"
 SEED = 40_000
 #: m, moves of the vertices at the start of the second run that tells how far the teacher agrees with itself.
 PERTURBED = 0.002
-#: m above the floor of the reference body's A-pose from which a garment hangs from the shoulders, and its height.
-SHOULDERS, HEIGHT = 1.3, 1.68
+#: Share of the body's height from which a garment hangs from the shoulders.
+SHOULDERS = 0.77
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def simulate(folder: Path) -> None:
         if path.exists():
             continue
         rest, skin = start["rest"][b], start["skin"][b]
-        shoulders = float(skin[:, 1].min() + SHOULDERS / HEIGHT * np.ptp(skin[:, 1]))
+        shoulders = float(skin[:, 1].min() + SHOULDERS * np.ptp(skin[:, 1]))
         cloth = Cloth(rest, triangles, held(rest, triangles, start["garment"], skin, shoulders))
         surface = (start["body"][b, p], touched(rest, skin, body))
         x = start["resolved"][b, p]

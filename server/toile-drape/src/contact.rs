@@ -120,15 +120,7 @@ impl Collider<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A square sheet in the ground plane, `side` vertices of 1 cm each way.
-    fn sheet(side: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-        let at = |i: u32| Vec3::new((i % side) as f32 * 0.01 + 0.003, 0.0, (i / side) as f32 * 0.01 + 0.003);
-        let corners = (0..side * (side - 1)).filter(|i| i % side + 1 < side);
-        let triangles =
-            corners.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
-        ((0..side * side).map(at).collect(), triangles)
-    }
+    use crate::test_meshes::sheet;
 
     #[test]
     fn clearance_is_negative_behind_the_surface() {

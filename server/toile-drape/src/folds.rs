@@ -9,7 +9,8 @@ use crate::reference::Part;
 
 /// Surfaces further apart than this do not pinch cloth, metres.
 pub const REACH: f32 = 0.04;
-/// Cosine of the normals of surfaces that face each other, at most.
+/// Cosine of the normals of the two surfaces of a fold, at most: open creases, as of a bent hip, are folds too.
+/// Training leaves out the pinched ones alone, whose surfaces face each other (`model/garment/folds.py`).
 const OPPOSED: f32 = 0.5;
 /// Stands for "no surface faces this one".
 pub const NONE: u32 = u32::MAX;

@@ -110,32 +110,10 @@ fn open_borders(triangles: &[[u32; 3]]) -> HashSet<u32> {
     uses.into_iter().filter(|(_, count)| *count == 1).flat_map(|((a, b), _)| [a, b]).collect()
 }
 
-/// Sheets of 1 cm quads facing up, one garment each: (height, rows).
-#[cfg(test)]
-pub(crate) fn sheets(all: &[(f32, u32)]) -> Outfit {
-    let mut outfit = Outfit::default();
-    for (layer, (height, rows)) in all.iter().enumerate() {
-        let first = outfit.positions.len() as u32;
-        outfit.positions.extend(
-            (0..rows * 10).map(|i| Vec3::new(0.01 * (i % 10) as f32, *height, 0.01 * (i / 10) as f32)),
-        );
-        let corners = (0..10 * (rows - 1)).filter(|i| i % 10 < 9).map(|i| first + i);
-        outfit.triangles.extend(corners.flat_map(|i| [[i, i + 10, i + 1], [i + 1, i + 10, i + 11]]));
-        let vertices = first..outfit.positions.len() as u32;
-        outfit.garments.push(crate::outfit::Garment {
-            name: layer.to_string(),
-            layer: layer as u32,
-            drawn_vertices: vertices.clone(),
-            vertices,
-            parts: vec![],
-        });
-    }
-    outfit
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_meshes::sheets;
 
     #[test]
     fn a_hem_under_a_longer_garment_must_stay_behind_it() {

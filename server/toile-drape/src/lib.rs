@@ -30,3 +30,5 @@ pub mod static_codec;
 pub mod static_pass;
 pub mod stretch;
 pub mod studio;
+#[cfg(test)]
+mod test_meshes;

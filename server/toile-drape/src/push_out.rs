@@ -93,15 +93,7 @@ impl Field<'_> {
 mod tests {
     use super::*;
     use crate::graph::OutfitGraph;
-
-    /// A square sheet in the ground plane, `side` vertices of 1 cm each way.
-    fn sheet(side: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-        let at = |i: u32| Vec3::new((i % side) as f32 * 0.01 + 0.003, 0.0, (i / side) as f32 * 0.01 + 0.003);
-        let corners = (0..side * (side - 1)).filter(|i| i % side + 1 < side);
-        let triangles =
-            corners.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
-        ((0..side * side).map(at).collect(), triangles)
-    }
+    use crate::test_meshes::sheet;
 
     #[test]
     fn one_vertex_takes_its_neighbourhood_along_and_leaves_the_rest() {

@@ -208,17 +208,16 @@ mod tests {
     use super::*;
     use crate::binding::CANDIDATES;
     use crate::graph::OutfitGraph;
-    use crate::layers::{layer_contacts, sheets};
+    use crate::layers::layer_contacts;
+    use crate::test_meshes::{sheet, sheets};
     use toile_geometry::mesh::{Adjacency, edges};
     use toile_geometry::nearest::PointTree;
 
-    /// A body surface of 1 cm quads over [-5, 15) cm each way at the height `y(x)`, with its edges.
+    /// A body surface of 1 cm quads, 20 cm each way around the cloth, at the height `y(x)`, with its edges.
     fn ground(y: impl Fn(f32) -> f32) -> (Vec<Vec3>, Vec<Vec3>, Adjacency) {
-        let at = |i: u32| 0.01 * i as f32 - 0.05;
-        let vertices: Vec<Vec3> =
-            (0..400).map(|i| Vec3::new(at(i % 20), y(at(i % 20)), at(i / 20))).collect();
-        let corners = (0..380).filter(|i| i % 20 < 19);
-        let triangles: Vec<_> = corners.flat_map(|i| [[i, i + 20, i + 1], [i + 1, i + 20, i + 21]]).collect();
+        let (flat, triangles) = sheet(20);
+        let moved = flat.into_iter().map(|p| p - Vec3::new(0.053, 0.0, 0.053));
+        let vertices: Vec<Vec3> = moved.map(|p| p.with_y(y(p.x))).collect();
         let ring = Adjacency::new(vertices.len(), &triangles);
         (vertices.clone(), vertex_normals(&vertices, &triangles), ring)
     }

@@ -125,7 +125,7 @@ impl Judge<'_> {
             }
         }
         if let Some(folder) = self.keep {
-            drapes.write(&outfit, self.motions.len(), &folder.join(format!("{name}.safetensors")))?;
+            drapes.write(&outfit, &folder.join(format!("{name}.safetensors")))?;
         }
         Ok(frames)
     }

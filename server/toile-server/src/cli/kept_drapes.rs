@@ -6,6 +6,7 @@ use glam::Vec3;
 use safetensors::tensor::{Dtype, TensorView, serialize_to_file};
 use toile_drape::outfit::Outfit;
 use toile_drape::pipeline::Frame;
+use toile_drape::repair::garment_of_vertex;
 
 use super::Failure;
 
@@ -31,31 +32,26 @@ impl KeptDrapes {
         }
     }
 
-    /// Writes `rest` (bodies, N, 3) and the A-pose `skin` (bodies, V, 3) under it; `draped`, `resolved` (bodies, poses, N, 3) without and with the resolve; `body`
-    /// (bodies, poses, V, 3) float32; `triangles` (T, 3), `layer` and `garment` (N,) uint32, in welded order.
+    /// Writes the `rest` pose (bodies, N, 3) and the A-pose `skin` (bodies, V, 3) under it; the cloth `draped` without
+    /// and `resolved` with the resolve (bodies, poses, N, 3) and the posed `body` (bodies, poses, V, 3), float32;
+    /// `triangles` (T, 3) and the `garment` of each vertex (N,), uint32. Welded order.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&self, outfit: &Outfit, bodies: usize, path: &Path) -> Result<(), Failure> {
-        let (vertices, count) = (outfit.positions.len(), bodies.max(1));
-        let poses = self.draped.len() / (12 * count * vertices.max(1));
-        let body = self.body.len() / (12 * count * poses.max(1));
+    pub fn write(&self, outfit: &Outfit, path: &Path) -> Result<(), Failure> {
+        let vertices = outfit.positions.len();
+        let bodies = self.rest.len() / (12 * vertices.max(1));
+        let poses = self.draped.len() / self.rest.len().max(1);
+        let skin = self.skin.len() / (12 * bodies.max(1));
         let triangles: Vec<u8> = outfit.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
-        let (mut layer, mut garment) = (vec![0; 4 * vertices], vec![0; 4 * vertices]);
-        for (number, g) in outfit.garments.iter().enumerate() {
-            for v in g.vertices.clone().map(|v| 4 * v as usize) {
-                layer[v..v + 4].copy_from_slice(&g.layer.to_le_bytes());
-                garment[v..v + 4].copy_from_slice(&(number as u32).to_le_bytes());
-            }
-        }
+        let garment: Vec<u8> = garment_of_vertex(outfit).into_iter().flat_map(u32::to_le_bytes).collect();
         let arrays = [
             ("rest", Dtype::F32, vec![bodies, vertices, 3], &self.rest),
-            ("skin", Dtype::F32, vec![bodies, body, 3], &self.skin),
+            ("skin", Dtype::F32, vec![bodies, skin, 3], &self.skin),
             ("draped", Dtype::F32, vec![bodies, poses, vertices, 3], &self.draped),
             ("resolved", Dtype::F32, vec![bodies, poses, vertices, 3], &self.resolved),
-            ("body", Dtype::F32, vec![bodies, poses, body, 3], &self.body),
+            ("body", Dtype::F32, vec![bodies, poses, skin, 3], &self.body),
             ("triangles", Dtype::U32, vec![outfit.triangles.len(), 3], &triangles),
-            ("layer", Dtype::U32, vec![vertices], &layer),
             ("garment", Dtype::U32, vec![vertices], &garment),
         ];
         let views: Vec<_> = arrays
@@ -97,7 +93,7 @@ mod tests {
 
     #[test]
     fn every_body_and_pose_is_found_where_its_shape_says() {
-        let garment = Garment { layer: 7, vertices: 1..3, ..Garment::default() };
+        let garment = Garment { vertices: 1..3, ..Garment::default() };
         let outfit = Outfit {
             positions: vec![Vec3::ZERO; 3],
             triangles: vec![[0, 1, 2]],
@@ -110,7 +106,7 @@ mod tests {
             kept.add((&[Vec3::ZERO; 3], &[Vec3::ZERO; 2]), &[at(0), at(1)], &[at(1), at(0)]);
         }
         let file = tempfile::NamedTempFile::new().unwrap();
-        kept.write(&outfit, 2, file.path()).unwrap();
+        kept.write(&outfit, file.path()).unwrap();
         let bytes = std::fs::read(file.path()).unwrap();
         let read = SafeTensors::deserialize(&bytes).unwrap();
         let draped = read.tensor("draped").unwrap();
@@ -122,6 +118,6 @@ mod tests {
             .collect();
         assert_eq!(heights, [0.0, 1.0, 2.0, 3.0]);
         assert_eq!(read.tensor("body").unwrap().shape(), [2, 2, 2, 3]);
-        assert_eq!(read.tensor("layer").unwrap().data(), [0, 0, 0, 0, 7, 0, 0, 0, 7, 0, 0, 0]);
+        assert_eq!(read.tensor("garment").unwrap().data(), [0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
     }
 }
