@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
-#: m from the skin within which a border can be a waistband, and m above the hem that it lies at least.
-NEAR, ABOVE = 0.03, 0.1
+#: m from the skin within which a border can be a waistband, over what is tucked in; m above the hem at least.
+NEAR, ABOVE = 0.06, 0.1
 
 
 def held(rest: Floats, triangles: Ints, garment: Ints, body: Floats, shoulders: float) -> Ints:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from garment.graph import mesh_edges
-from teacher.checks import Judged, Limits, crossing
+from teacher.checks import Judged, Limits, crossing, judge
 from teacher.waistbands import held
 
 
@@ -32,6 +32,8 @@ def test_a_skirt_is_held_at_its_waist_and_a_shirt_is_not() -> None:
     skirt, t = tube(16, 8, 0.1, 1.0)
     garment = np.zeros(len(skirt), int)
     assert set(held(skirt, t, garment, body, 1.3)) == set(range(16))
+    over = skirt * np.array([1.4, 1, 1.4])
+    assert set(held(over, t, garment, body, 1.3)) == set(range(16)), "over a shirt that is tucked in"
     assert not len(held(skirt + np.array([0, 0.4, 0]), t, garment, body, 1.3)), "it hangs from the shoulders"
     assert not len(held(skirt * np.array([2, 1, 2]), t, garment, body, 1.3)), "its border is not on the skin"
 
@@ -40,3 +42,11 @@ def test_what_is_not_a_number_is_no_target() -> None:
     assert Judged(1e-4, 0.0, 1.2, 0.0).fault(Limits()) is None
     assert Judged(1e-4, 0.2, 1.2, 0.0).fault(Limits()) == "inside"
     assert Judged(np.nan, np.nan, np.nan, np.nan).fault(Limits()) == "residual"
+
+
+def test_skin_that_shows_through_a_triangle_counts_as_inside() -> None:
+    body, skin = tube(48, 30, 0.1, 1.45)
+    for around, shown in ((24, False), (5, True)):
+        cloth, t = tube(around, 5, 0.11, 1.0)
+        found = judge(cloth, 0.0, (cloth, cloth), t, (body, skin))
+        assert (found.inside > 0.3) == shown, f"{around} corners 1 cm from the skin: {found.inside}"
