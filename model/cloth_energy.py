@@ -8,7 +8,8 @@ import torch
 from torch import Tensor
 
 import energies
-from energies import Fabric, RestMesh
+from energies import RestMesh
+from fabric import Fabric
 from garment import nearest
 from training_data import BodyBank, Sample, ShapedPoses
 
@@ -16,8 +17,6 @@ from training_data import BodyBank, Sample, ShapedPoses
 PINCHED = 0.02
 #: N/m3, resistance to offsets of cloth on the body; a tenth of it where cloth hangs free.
 KEEP = 15.0
-#: m from the skin where cloth begins to hang.
-HANG = 0.03
 #: N/m3, resistance to offsets of cloth on the skin, and how far (m) the skin grips.
 GRIP, GRIP_REACH = 400.0, 0.008
 
@@ -90,7 +89,7 @@ def clearances(x: Tensor, on: Touching, sample: Sample, entry: ShapedPoses, pose
 
 def borne(sample: Sample) -> Tensor:
     """Share of each vertex's weight that the skin under it carries at rest, (N,): 1 on the skin, 0 far from it."""
-    return torch.exp(-sample.distance.clamp(min=0) / HANG)
+    return torch.exp(-sample.distance.clamp(min=0) / Fabric.hang)
 
 
 def terms(d: Posed, offset: Tensor, mesh: RestMesh, near: Contacts, sample: Sample) -> dict[str, Tensor]:

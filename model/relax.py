@@ -25,7 +25,8 @@ from torch import Tensor
 import cloth_energy
 from bending import bent
 from cloth_energy import Posed
-from energies import Fabric, RestMesh
+from energies import RestMesh
+from fabric import Fabric
 from garment.binding import garment_joint_names
 from nets.deepsd import gather_mean, skin, top_four
 from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_samples

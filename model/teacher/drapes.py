@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from safetensors.numpy import load_file
+from scipy.spatial import cKDTree
 
 from body.anny_body import AnnyBody
 from body.pose_sampling import sample_poses
@@ -38,6 +39,8 @@ SEED = 40_000
 PERTURBED = 0.002
 #: Share of the body's height from which a garment hangs from the shoulders.
 SHOULDERS = 0.77
+#: m, distance within which garments lie over each other.
+LAYERED = 0.05
 
 
 @dataclass(frozen=True)
@@ -46,8 +49,8 @@ class Size:
 
     outfits: int = 15
     bodies: int = 2  # of its own for each outfit
-    poses: int = 10  # of its own for each outfit
-    vertices: int = 1500  # of an outfit at most, about: a drape takes half a minute
+    poses: int = 12  # of its own for each outfit
+    vertices: int = 1200  # of an outfit at most, about: a drape takes half a minute
 
 
 def prepare(size: Size, out: Path) -> list[Path]:
@@ -88,6 +91,7 @@ def simulate(folder: Path) -> None:
     from .colliders import touched
     from .simulation import Cloth, Settings, equilibrium
     from .waistbands import held
+    from .weight import pull
 
     start, body = draped(folder, "skinning"), AnnyBody.load()
     triangles = start["triangles"].astype(np.int64)
@@ -97,7 +101,12 @@ def simulate(folder: Path) -> None:
             continue
         rest, skin = start["rest"][b], start["skin"][b]
         shoulders = float(skin[:, 1].min() + SHOULDERS * np.ptp(skin[:, 1]))
-        cloth = Cloth(rest, triangles, held(rest, triangles, start["garment"], skin, shoulders))
+        distance = cKDTree(skin).query(rest)[0]
+        cloth = Cloth(
+            rest, triangles, distance, alone(rest, start["garment"]),
+            pull(rest, start["draped"][b, p], triangles, distance),
+            held(rest, triangles, start["garment"], skin, shoulders),
+        )  # fmt: skip
         surface = (start["body"][b, p], touched(rest, skin, body))
         x = start["resolved"][b, p]
         if perturbed:
@@ -109,6 +118,16 @@ def simulate(folder: Path) -> None:
         print(
             f"{folder.name} body {b} pose {p}{' again' * perturbed}: {end.steps} steps, {fault or 'good'}", flush=True
         )
+
+
+def alone(rest: Floats, garment: NDArray) -> NDArray[np.bool_]:
+    """Whether no other garment is within `LAYERED` of each vertex, (N,)."""
+    out = np.ones(len(rest), bool)
+    for g in np.unique(garment):
+        mine = garment == g
+        if not mine.all():
+            out[mine] = cKDTree(rest[~mine]).query(rest[mine])[0] > LAYERED
+    return out
 
 
 def wanted(shape: tuple[int, int]) -> Iterator[tuple[int, int, bool]]:

@@ -2,8 +2,8 @@
 
 Vertex block descent (Chen et al., Vertex Block Descent, 2024) of `newton` with the fabric of the losses: Neo-Hookean
 triangles whose small strains cost what the losses' springs cost, discrete-shell bending from the rest dihedral,
-friction and contact with the body and of the cloth with itself. Time steps lose their speed, so that cloth creeps
-to its equilibrium instead of swinging around it.
+friction and contact with the body and of the cloth with itself, under the weight of the losses (`weight`). Time
+steps lose some of their speed, so that cloth comes to rest instead of swinging.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import warp as wp
 from newton.solvers import SolverVBD
 from numpy.typing import NDArray
 
-from energies import Fabric
+from fabric import Fabric
+from garment.graph import mesh_edges
 from garment.rest_mesh import rest_mesh, topology
 
 Floats = NDArray[np.floating]
@@ -30,12 +31,15 @@ class Settings:
 
     step: float = 0.01  # s
     iterations: int = 20  # sweeps over the vertices a step
-    most: int = 300  # steps at most
+    most: int = 350  # steps at most
     every: int = 15  # steps between looks at the residual
-    keep: float = 0.9  # share of its speed that cloth keeps from step to step
-    still: float = 3e-4  # m that the vertices move on average between two looks when the cloth counts as at rest
+    keep: float = 0.97  # share of its speed that cloth keeps from step to step
+    still: float = 2e-4  # m that the vertices move on average between two looks when the cloth counts as at rest
     friction: float = 0.6  # of cloth on skin and on cloth
+    slip: float = 5e-4  # m/s, speed up to which friction grows: cloth on a slope creeps slower than this
+    least: float = 0.003  # m, distance kept from the skin by cloth that rests nearer
     radius: float = 0.005  # m, distance kept from the skin
+    bulge: float = 0.06  # m, radius of the skin that a triangle bridges; its corners keep off by how far it would enter
     layers: float = 0.0015  # m, distance that cloth keeps from cloth
     look: float = 0.0015  # m beyond it within which contacts of cloth with cloth are looked for
     contact: float = 2e3  # N/m, stiffness of a vertex on the skin
@@ -56,6 +60,9 @@ class Cloth:
 
     rest: Floats  # (N, 3) m, in the A-pose on the same body
     triangles: Ints  # (T, 3)
+    distance: Floats  # (N,) m from the skin in the rest pose
+    alone: NDArray[np.bool_]  # (N,) no other garment is near in the rest pose
+    pull: Floats  # (N, 3) m/s2, weight that nothing bears (`weight`)
     held: Ints  # vertices that stay where they start: waistbands
 
 
@@ -65,10 +72,12 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
     solver = SolverVBD(
         model, iterations=s.iterations, particle_enable_self_contact=True, particle_self_contact_margin=s.layers,
         particle_self_contact_gap=s.look, particle_rest_shape_contact_exclusion_radius=2 * s.layers,
-        particle_topological_contact_filter_threshold=2,
+        particle_topological_contact_filter_threshold=2, friction_epsilon=s.slip,
     )  # fmt: skip
     now, then, control = model.state(), model.state(), model.control()
     now.particle_q.assign(start.astype(np.float32))
+    for state in (now, then):
+        state.particle_f.assign(model.particle_mass.numpy()[:, None] * cloth.pull.astype(np.float32))
     pipeline = newton.CollisionPipeline(model)
     contacts, seen, residual = pipeline.contacts(), start, np.inf
     for count in range(1, s.most + 1):
@@ -89,7 +98,7 @@ def scene(cloth: Cloth, body: tuple[Floats, Ints], s: Settings) -> newton.Model:
     fabric, up = Fabric(), wp.quat_identity()
     # Springs of every direction and stiffness k cost as much as both Lamé parameters k / 8 do.
     lame = fabric.stretch / 8
-    builder = newton.ModelBuilder(gravity=(0.0, -fabric.gravity, 0.0))
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
     builder.add_cloth_mesh(
         pos=wp.vec3(0.0), rot=up, scale=1.0, vel=wp.vec3(0.0), vertices=[wp.vec3(*p) for p in cloth.rest.tolist()],
         indices=cloth.triangles.reshape(-1).tolist(), density=fabric.density, tri_ke=lame, tri_ka=lame, tri_kd=1e-4,
@@ -103,8 +112,21 @@ def scene(cloth: Cloth, body: tuple[Floats, Ints], s: Settings) -> newton.Model:
     builder.color(include_bending=True)
     model = builder.finalize()
     model.soft_contact_ke, model.soft_contact_kd, model.soft_contact_mu = s.contact, 1e-3, s.friction
+    model.particle_radius.assign(kept_off(cloth, s).astype(np.float32))
     _bend_as_losses(model, cloth, fabric)
     return model
+
+
+def kept_off(cloth: Cloth, s: Settings) -> Floats:
+    """Distance that each vertex keeps from the skin, (N,): enough for the middle of its longest edge.
+
+    Among other garments there is no room for that, and the ones above cover what shows.
+    """
+    edges = mesh_edges(cloth.triangles)
+    longest = np.zeros(len(cloth.rest))
+    for ends in edges.T:
+        np.maximum.at(longest, ends, np.linalg.norm(cloth.rest[edges[:, 0]] - cloth.rest[edges[:, 1]], axis=1))
+    return np.clip(cloth.distance, s.least, s.radius + cloth.alone * longest**2 / (8 * s.bulge))
 
 
 def _bend_as_losses(model: newton.Model, cloth: Cloth, fabric: Fabric) -> None:

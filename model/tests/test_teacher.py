@@ -7,6 +7,7 @@ import numpy as np
 from garment.graph import mesh_edges
 from teacher.checks import Judged, Limits, crossing, judge
 from teacher.waistbands import held
+from teacher.weight import pull, turns
 
 
 def tube(around: int, rows: int, radius: float, top: float) -> tuple[np.ndarray, np.ndarray]:
@@ -50,3 +51,23 @@ def test_skin_that_shows_through_a_triangle_counts_as_inside() -> None:
         cloth, t = tube(around, 5, 0.11, 1.0)
         found = judge(cloth, 0.0, (cloth, cloth), t, (body, skin))
         assert (found.inside > 0.3) == shown, f"{around} corners 1 cm from the skin: {found.inside}"
+
+
+def test_the_turn_of_cloth_is_found() -> None:
+    v, t = tube(16, 6, 0.1, 1.0)
+    tilted = v @ rotation_about_x(np.pi / 3).T
+    assert np.allclose(turns(v, tilted, t), rotation_about_x(np.pi / 3), atol=1e-6)
+
+
+def test_upright_cloth_on_the_skin_weighs_nothing_and_turned_or_free_cloth_does() -> None:
+    v, t = tube(16, 6, 0.1, 1.0)
+    on_skin, free = np.zeros(len(v)), np.full(len(v), 1.0)
+    assert np.allclose(pull(v, v, t, on_skin), 0, atol=1e-6)
+    assert np.allclose(pull(v, v, t, free), [0, -9.81, 0], atol=1e-6)
+    lying = v @ rotation_about_x(np.pi / 2).T
+    assert np.allclose(pull(v, lying, t, on_skin), [0, -9.81, 0], atol=1e-5), "nothing bears it across its own up"
+
+
+def rotation_about_x(angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])

@@ -11,8 +11,10 @@ import torch
 from torch import Tensor
 
 import energies
-from energies import Fabric, RestMesh
+from energies import RestMesh
+from fabric import Fabric
 from garment.rest_mesh import rest_mesh, topology
+from teacher.weight import pull, turns
 
 FABRIC = Fabric()
 
@@ -105,6 +107,20 @@ def test_gravity_acts_on_hanging_cloth_and_not_on_cloth_that_lies_as_drawn() -> 
     turned = energies.weight_change(x, lying, torch.ones(5), area, FABRIC)
     assert turned.item() == pytest.approx(still.item(), rel=1e-5), "a support that points sideways bears nothing"
     assert (still - falling).item() == pytest.approx(0.1 * FABRIC.density * FABRIC.gravity, rel=1e-3)
+
+
+def test_the_simulators_weight_is_the_slope_of_the_losses(cloth: tuple[RestMesh, Tensor, np.ndarray]) -> None:
+    mesh, posed, triangles = cloth
+    rest, distance = posed[0].numpy(), np.linspace(0, 0.1, 9)
+    skinned = rest @ np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]).T
+    skinned[4] += [0.0, 0.01, 0.0]
+    pulled = pull(rest, skinned, triangles, distance)
+    x = torch.as_tensor(skinned)[None].requires_grad_()
+    up = torch.as_tensor(turns(rest, skinned, triangles)[:, :, 1])[None]
+    borne = torch.exp(-torch.as_tensor(distance) / FABRIC.hang)
+    (slope,) = torch.autograd.grad(energies.weight_change(x, up, borne, mesh.area, FABRIC), x)
+    mass = FABRIC.density * mesh.area / mesh.area.sum()
+    assert torch.allclose(slope[0], -mass[:, None] * torch.as_tensor(pulled))
 
 
 def test_friction_holds_cloth_on_a_lap_and_lets_it_fall_elsewhere() -> None:
