@@ -22,7 +22,7 @@ class Limits:
     residual: float = 2e-3  # m that the vertices still move on average, see `simulation.Settings`
     inside: float = 0.01  # share of the vertices and triangle centres behind the skin
     stretch: float = 2.0  # 99.9th percentile of length over rest length
-    crossed: float = 0.01  # share of the edges that newly pass through a triangle of the cloth
+    crossed: float = 0.02  # share of the edges that newly pass through a triangle of the cloth
 
 
 @dataclass(frozen=True)

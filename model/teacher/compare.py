@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from garment.graph import mesh_edges
 from garment.rest_mesh import hinges
 
 from .checks import lengths
-from .drapes import TEACHER, drape_path, draped, faults, wanted
+from .drapes import TEACHER, Size, draped, faults, good, runs
 
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
@@ -77,14 +77,15 @@ def compare(folder: Path) -> Iterator[tuple[str, Figures]]:
     skin_triangles = AnnyBody.load().triangles
     ways = {m: draped(folder, m) for m in ("skinning", "deepsd", "deepsd-concat")}
     first = ways["skinning"]
-    for b, p, perturbed in wanted(first["draped"].shape[:2]):
-        teacher = _good(drape_path(folder, b, p, False))
+    triangles = first["triangles"].astype(np.int64)
+    bodies, poses = first["draped"].shape[:2]
+    for run in runs([folder], Size(1, bodies, poses)):
+        teacher, b, p = good(replace(run, perturbed=False).path), run.body, run.pose
         if teacher is None:
             continue
-        triangles = first["triangles"].astype(np.int64)
         scene = Scene(first["rest"][b], triangles, first["body"][b, p], skin_triangles)
-        if perturbed:
-            again = _good(drape_path(folder, b, p, True))
+        if run.perturbed:
+            again = good(run.path)
             if again is not None:
                 yield "teacher again, from a start moved by 2 mm", scene.figures(again, teacher)
             continue
@@ -92,13 +93,6 @@ def compare(folder: Path) -> Iterator[tuple[str, Figures]]:
             yield f"{name}, before the resolve", scene.figures(way["draped"][b, p], teacher)
         yield "deepsd, after the resolve", scene.figures(ways["deepsd"]["resolved"][b, p], teacher)
         yield "teacher", scene.figures(teacher, teacher)
-
-
-def _good(path: Path) -> Floats | None:
-    if not path.exists():
-        return None
-    kept = np.load(path)
-    return None if str(kept["fault"]) else kept["x"]
 
 
 def table(found: dict[str, dict[str, list[Figures]]]) -> Iterator[str]:

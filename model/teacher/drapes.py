@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,11 @@ from evaluation_set import rounded
 from outfits.held_out import held_out, write_obj
 from outfits.resolutions import coarser
 from training_data import DATA, random_shape
+
+from .checks import Judged, Limits
+
+if TYPE_CHECKING:
+    from .simulation import Cloth
 
 Floats = NDArray[np.floating]
 
@@ -84,40 +90,68 @@ def draped(folder: Path, method: str) -> dict[str, NDArray]:
     return load_file(kept / "outfit.safetensors")
 
 
-def simulate(folder: Path) -> None:
-    """Simulates every drape of a folder that is not there yet."""
+@dataclass(frozen=True)
+class Run:
+    """One simulation."""
+
+    folder: Path
+    body: int
+    pose: int
+    perturbed: bool = False
+
+    @property
+    def path(self) -> Path:
+        """Where the drape is kept."""
+        return self.folder / f"drape_{self.body}_{self.pose}{'_again' * self.perturbed}.npz"
+
+    @property
+    def name(self) -> str:
+        return f"{self.folder.name} body {self.body} pose {self.pose}{' again' * self.perturbed}"
+
+
+def runs(folders: list[Path], size: Size) -> Iterator[Run]:
+    """All simulations, every outfit's first pose first; that one is simulated twice."""
+    for pose in range(size.poses):
+        for folder in folders:
+            for body in range(size.bodies):
+                yield from (Run(folder, body, pose, again) for again in ((False, True) if pose == 0 else (False,)))
+
+
+def simulate(run: Run) -> None:
+    """Simulates and keeps one drape, if it is not there yet."""
+    if run.path.exists():
+        return
     # Its kernels take a minute to compile where nothing needs them.
-    from .checks import Limits, judge
+    from .checks import judge
+    from .simulation import Settings, equilibrium
+
+    start = load_file(run.folder / "skinning" / "outfit.safetensors")
+    cloth, surface = scene(start, run.body, run.pose)
+    x = start["resolved"][run.body, run.pose]
+    if run.perturbed:
+        x = x + np.random.default_rng(run.body).normal(0, PERTURBED, x.shape).astype(np.float32)
+    end = equilibrium(cloth, x, surface, Settings())
+    judged = judge(end.x, end.residual, (start["resolved"][run.body, run.pose], cloth.rest), cloth.triangles, surface)
+    np.savez_compressed(run.path, x=end.x.astype(np.float32), steps=end.steps, **asdict(judged))
+    print(f"{run.name}: {end.steps} steps, {judged.fault(Limits()) or 'good'}", flush=True)
+
+
+def scene(start: dict[str, NDArray], body: int, pose: int) -> tuple[Cloth, tuple[Floats, NDArray]]:
+    """What drapes, and the skin that it drapes on."""
     from .colliders import touched
-    from .simulation import Cloth, Settings, equilibrium
+    from .simulation import Cloth
     from .waistbands import held
     from .weight import pull
 
-    start, body = draped(folder, "skinning"), AnnyBody.load()
-    triangles = start["triangles"].astype(np.int64)
-    for b, p, perturbed in wanted(start["draped"].shape[:2]):
-        path = drape_path(folder, b, p, perturbed)
-        if path.exists():
-            continue
-        rest, skin = start["rest"][b], start["skin"][b]
-        shoulders = float(skin[:, 1].min() + SHOULDERS * np.ptp(skin[:, 1]))
-        distance = cKDTree(skin).query(rest)[0]
-        cloth = Cloth(
-            rest, triangles, distance, alone(rest, start["garment"]),
-            pull(rest, start["draped"][b, p], triangles, distance),
-            held(rest, triangles, start["garment"], skin, shoulders),
-        )  # fmt: skip
-        surface = (start["body"][b, p], touched(rest, skin, body))
-        x = start["resolved"][b, p]
-        if perturbed:
-            x = x + np.random.default_rng(b + 100 * p).normal(0, PERTURBED, x.shape).astype(np.float32)
-        end = equilibrium(cloth, x, surface, Settings())
-        judged = judge(end.x, end.residual, (start["resolved"][b, p], rest), triangles, surface)
-        fault = judged.fault(Limits()) or ""
-        np.savez_compressed(path, x=end.x.astype(np.float32), steps=end.steps, fault=fault, **asdict(judged))
-        print(
-            f"{folder.name} body {b} pose {p}{' again' * perturbed}: {end.steps} steps, {fault or 'good'}", flush=True
-        )
+    rest, skin, triangles = start["rest"][body], start["skin"][body], start["triangles"].astype(np.int64)
+    shoulders = float(skin[:, 1].min() + SHOULDERS * np.ptp(skin[:, 1]))
+    distance = cKDTree(skin).query(rest)[0]
+    cloth = Cloth(
+        rest, triangles, distance, alone(rest, start["garment"]),
+        pull(rest, start["draped"][body, pose], triangles, distance),
+        held(rest, triangles, start["garment"], skin, shoulders),
+    )  # fmt: skip
+    return cloth, (start["body"][body, pose], touched(rest, skin, AnnyBody.load()))
 
 
 def alone(rest: Floats, garment: NDArray) -> NDArray[np.bool_]:
@@ -130,23 +164,20 @@ def alone(rest: Floats, garment: NDArray) -> NDArray[np.bool_]:
     return out
 
 
-def wanted(shape: tuple[int, int]) -> Iterator[tuple[int, int, bool]]:
-    """Body, pose, and whether from a perturbed start: every first pose is simulated twice."""
-    for b in range(shape[0]):
-        for p in range(shape[1]):
-            yield b, p, False
-            if p == 0:
-                yield b, p, True
+def good(path: Path) -> Floats | None:
+    """Cloth (N, 3) of a drape that is there and has no fault."""
+    return None if not path.exists() or fault(path) else np.load(path)["x"]
 
 
-def drape_path(folder: Path, body: int, pose: int, perturbed: bool) -> Path:
-    """Where a drape is kept."""
-    return folder / f"drape_{body}_{pose}{'_again' * perturbed}.npz"
+def fault(path: Path) -> str:
+    """What keeps a drape from being a target, empty for none."""
+    kept = np.load(path)
+    return Judged(*(float(kept[name]) for name in Judged.__dataclass_fields__)).fault(Limits()) or ""
 
 
 def faults(folders: list[Path]) -> Counter[str]:
     """How many drapes are good (empty name) and how many have each fault."""
-    return Counter(str(np.load(path)["fault"]) for f in folders for path in f.glob("drape_*.npz"))
+    return Counter(fault(path) for f in folders for path in f.glob("drape_*.npz"))
 
 
 def main() -> None:
@@ -156,9 +187,12 @@ def main() -> None:
     p.add_argument("--out", type=Path, default=TEACHER)
     p.add_argument("--workers", type=int, default=2)
     a = p.parse_args()
-    folders = prepare(Size(a.outfits, a.bodies, a.poses, a.vertices), a.out)
+    size = Size(a.outfits, a.bodies, a.poses, a.vertices)
+    folders = prepare(size, a.out)
+    for folder in folders:
+        draped(folder, "skinning")
     with ProcessPoolExecutor(a.workers, multiprocessing.get_context("spawn")) as pool:
-        list(pool.map(simulate, folders))
+        list(pool.map(simulate, runs(folders, size)))
     print(dict(faults(folders)))
 
 

@@ -31,10 +31,10 @@ class Settings:
 
     step: float = 0.01  # s
     iterations: int = 20  # sweeps over the vertices a step
-    most: int = 350  # steps at most
+    most: int = 300  # steps at most
     every: int = 15  # steps between looks at the residual
     keep: float = 0.97  # share of its speed that cloth keeps from step to step
-    still: float = 2e-4  # m that the vertices move on average between two looks when the cloth counts as at rest
+    still: float = 3e-4  # m that the vertices move on average between two looks when the cloth counts as at rest
     friction: float = 0.6  # of cloth on skin and on cloth
     slip: float = 5e-4  # m/s, speed up to which friction grows: cloth on a slope creeps slower than this
     least: float = 0.003  # m, distance kept from the skin by cloth that rests nearer

@@ -2,11 +2,13 @@
 
 use glam::Vec3;
 use serde::Serialize;
+use toile_geometry::crossings::{Crossing, crossings};
 use toile_geometry::nearest::PointTree;
 
 use crate::fitted::lengths;
 use crate::outfit::Outfit;
 use crate::pipeline::Frame;
+use crate::repair::garment_of_vertex;
 
 /// Figures of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -25,6 +27,10 @@ pub struct Figures {
     pub stretch_p999: f32,
     /// Largest length over rest length.
     pub stretch_max: f32,
+    /// Edges that pass through their own garment, percent.
+    pub self_crossed: f32,
+    /// Edges that pass through another garment, percent.
+    pub layers_crossed: f32,
 }
 
 impl Figures {
@@ -44,6 +50,7 @@ impl Figures {
         let ratio: Vec<f32> = now.iter().zip(rest_lengths).map(|(n, r)| n / r.max(1e-5)).collect();
         let change: f32 = now.iter().zip(rest_lengths).map(|(n, r)| (n - r).abs()).sum();
         let count = ratio.len().max(1) as f32;
+        let (self_crossed, layers_crossed) = crossed(outfit, &frame.positions, edges);
         Self {
             vertices_inside: percent(depths.len(), frame.positions.len()),
             centroids_inside: percent(inside, outfit.triangles.len()),
@@ -52,6 +59,8 @@ impl Figures {
             edge_percent: 100.0 * ratio.iter().map(|r| (r - 1.0).abs()).sum::<f32>() / count,
             stretch_p999: quantile(&ratio, 0.999),
             stretch_max: ratio.iter().copied().fold(0.0, f32::max),
+            self_crossed,
+            layers_crossed,
         }
     }
 
@@ -68,8 +77,18 @@ impl Figures {
             edge_percent: of(|x| x.edge_percent),
             stretch_p999: of(|x| x.stretch_p999),
             stretch_max: all.iter().map(|x| x.stretch_max).fold(0.0, f32::max),
+            self_crossed: of(|x| x.self_crossed),
+            layers_crossed: of(|x| x.layers_crossed),
         }
     }
+}
+
+/// Percent of the edges that pass through their own garment, and through another.
+#[must_use]
+pub fn crossed(outfit: &Outfit, positions: &[Vec3], edges: &[[u32; 2]]) -> (f32, f32) {
+    let found = crossings(positions, &outfit.triangles, edges, &garment_of_vertex(outfit));
+    let share = |f: fn(&Crossing) -> bool| percent(found.iter().filter(|c| f(c)).count(), edges.len());
+    (share(|c| c.own), share(|c| c.other))
 }
 
 fn percent(part: usize, whole: usize) -> f32 {

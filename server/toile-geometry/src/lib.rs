@@ -3,6 +3,7 @@
 //! No I/O, no async. Metres, glTF axes (Y up, the body faces +Z).
 
 pub mod body;
+pub mod crossings;
 pub mod measurements;
 pub mod mesh;
 pub mod nearest;

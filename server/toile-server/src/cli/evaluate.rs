@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Deserialize;
-use toile_drape::evaluation::Figures;
+use toile_drape::evaluation::{Figures, crossed};
 use toile_drape::methods::MethodKind;
 use toile_drape::network::Networks;
 use toile_drape::outfit::Outfit;
@@ -54,6 +54,8 @@ struct EvaluationSet {
 struct Row {
     before: Figures,
     after: Figures,
+    /// Percent of the edges that pass through their own garment and through another in the rest pose.
+    rest_crossed: (f32, f32),
 }
 
 impl Evaluate {
@@ -72,25 +74,32 @@ impl Evaluate {
             set.bodies.len(),
             set.poses.len()
         );
-        println!("| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max |");
-        println!("|---|---:|---:|---:|---:|---:|---:|");
+        println!(
+            "| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max | self-crossed % rest / before / after | layers crossed % |"
+        );
+        println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|");
         let judge = Judge { assets: &assets, method, motions: &motions, keep: self.keep.as_deref() };
         let mut rows = Vec::new();
         for path in &self.outfits {
             let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            let frames = judge.frames(path, &name, &mut networks)?;
+            let Draped { frames, rest_crossed } = judge.frames(path, &name, &mut networks)?;
             if self.worst {
                 report_worst(&name, &frames, set.poses.len());
             }
             let (before, after): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
-            let row = Row { before: Figures::mean(&before), after: Figures::mean(&after) };
+            let row = Row { before: Figures::mean(&before), after: Figures::mean(&after), rest_crossed };
             row.print(&name);
             rows.push(row);
         }
-        let column = |f: fn(&Row) -> Figures| Figures::mean(&rows.iter().map(f).collect::<Vec<_>>());
-        Row { before: column(|r| r.before), after: column(|r| r.after) }.print("**mean**");
+        Row::mean(&rows).print("**mean**");
         Ok(())
     }
+}
+
+/// Figures of every frame before and after the resolve, and what is crossed in the rest pose already.
+struct Draped {
+    frames: Vec<(Figures, Figures)>,
+    rest_crossed: (f32, f32),
 }
 
 /// What every outfit is draped on, and how.
@@ -102,13 +111,8 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Figures of an outfit's frames before and after the resolve; keeps the drapes where that is asked for.
-    fn frames(
-        &self,
-        path: &Path,
-        name: &str,
-        networks: &mut dyn Networks,
-    ) -> Result<Vec<(Figures, Figures)>, Failure> {
+    /// Figures of an outfit; keeps the drapes where that is asked for.
+    fn frames(&self, path: &Path, name: &str, networks: &mut dyn Networks) -> Result<Draped, Failure> {
         let (outfit, statics) = read(path, self.assets, networks)?;
         let (mut frames, mut drapes) = (Vec::new(), KeptDrapes::default());
         let (studio, method) = (&self.assets.studio, self.method);
@@ -127,7 +131,7 @@ impl Judge<'_> {
         if let Some(folder) = self.keep {
             drapes.write(&outfit, &folder.join(format!("{name}.safetensors")))?;
         }
-        Ok(frames)
+        Ok(Draped { frames, rest_crossed: crossed(&outfit, &statics.rest, &statics.edges) })
     }
 }
 
@@ -158,10 +162,20 @@ fn report_worst(name: &str, frames: &[(Figures, Figures)], poses: usize) {
 }
 
 impl Row {
+    fn mean(rows: &[Self]) -> Self {
+        let column = |f: fn(&Self) -> Figures| Figures::mean(&rows.iter().map(f).collect::<Vec<_>>());
+        let rest = |f: fn(&Self) -> f32| rows.iter().map(f).sum::<f32>() / rows.len().max(1) as f32;
+        Self {
+            before: column(|r| r.before),
+            after: column(|r| r.after),
+            rest_crossed: (rest(|r| r.rest_crossed.0), rest(|r| r.rest_crossed.1)),
+        }
+    }
+
     fn print(&self, name: &str) {
         let (b, a) = (&self.before, &self.after);
         println!(
-            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.1} / {:.1} | {:.2} / {:.2} | {:.1} |",
+            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.1} / {:.1} | {:.2} / {:.2} | {:.1} | {:.2} / {:.2} / {:.2} | {:.2} / {:.2} / {:.2} |",
             b.vertices_inside,
             b.centroids_inside,
             a.vertices_inside,
@@ -172,7 +186,13 @@ impl Row {
             a.edge_percent,
             b.stretch_p999,
             a.stretch_p999,
-            a.stretch_max
+            a.stretch_max,
+            self.rest_crossed.0,
+            b.self_crossed,
+            a.self_crossed,
+            self.rest_crossed.1,
+            b.layers_crossed,
+            a.layers_crossed
         );
     }
 }
