@@ -172,6 +172,9 @@ pub struct Report {
     pub flipped_normals: usize,
     /// Share of vertices inside the body in the rest pose as uploaded, percent.
     pub rest_penetration_percent: f32,
+    /// Share of edges that pass through their own garment in the rest pose, percent.
+    #[serde(default)]
+    pub self_crossed_percent: f32,
     /// Sentences for a person.
     pub notes: Vec<String>,
 }

@@ -23,6 +23,7 @@ export interface MendingReport {
   non_manifold_edges: number;
   flipped_normals: number;
   rest_penetration_percent: number;
+  self_crossed_percent: number;
   notes: string[];
 }
 

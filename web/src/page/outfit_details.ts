@@ -91,6 +91,7 @@ function reportOf(report: MendingReport): HTMLElement {
   const rows = [
     ...mended.filter(([, number]) => number > 0).map(([label, number]) => fact(label, number.toLocaleString("en"))),
     fact("Inside the body at rest", `${report.rest_penetration_percent.toFixed(1)} %`),
+    fact("Edges through its own cloth", `${report.self_crossed_percent.toFixed(1)} %`),
     fact("Units", scale),
     fact("Up axis", report.up_axis.toUpperCase()),
   ];

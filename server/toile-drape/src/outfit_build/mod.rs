@@ -15,8 +15,10 @@ mod tests;
 mod weld;
 
 use glam::Vec3;
+use toile_geometry::mesh::edges;
 
 pub use self::error::OutfitError;
+use crate::evaluation::crossed;
 use crate::outfit::{Material, Outfit, RawMesh, Report};
 
 /// What a file holds, in metres and glTF axes, before it is an outfit.
@@ -55,5 +57,6 @@ pub fn build(
     let drafts = garments::group(&soup, &components, &source, &mut report)?;
     let layers = layers::order(&drafts, &soup, &placement, &source.layers)?;
     let outfit = assemble::assemble(source, soup, drafts, &layers);
+    report.self_crossed_percent = crossed(&outfit, &outfit.positions, &edges(&outfit.triangles)).0;
     Ok((outfit, report))
 }

@@ -217,6 +217,17 @@ fn vertices_inside_the_body_are_counted() {
 }
 
 #[test]
+fn a_garment_that_passes_through_itself_is_reported() {
+    let share = |z: f32| {
+        let mut shirt = tube(0.2, 1.0, 1.5);
+        shirt.positions[0] = Vec3::new(0.0, 1.01, z);
+        built(vec![shirt]).1.self_crossed_percent
+    };
+    assert_eq!(share(0.2), 0.0);
+    assert!(share(-0.25) > 0.0, "a vertex drawn through the opposite side");
+}
+
+#[test]
 fn an_outfit_beside_the_body_or_under_the_floor_is_off_body() {
     let moved = |by: Vec3| {
         let mut shirt = tube(0.2, 1.0, 1.5);
