@@ -18,6 +18,7 @@ CARGO_TEST := cargo test --release --locked
 RUNTIME := $(VENV)/.runtime
 TEST_TOOLS := $(VENV)/.test-tools
 MODEL_TOOLS := $(MODEL_VENV)/.model-tools
+TEACHER_TOOLS := $(MODEL_VENV)/.teacher-tools
 WEB_MODULES := web/node_modules/.installed
 WEB_PAGE := web/dist/index.html
 VALIDATOR := tests/validator/node_modules/.installed
@@ -25,15 +26,17 @@ BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
 .PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools \
-	test-rust test-python test-web test-e2e test-browser thumbnails pictures chromium
+	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
 help:
 	@echo "make run         serve on http://$(LISTEN), with everything set up first"
 	@echo "make build       build $(TOILE) and the try-on page"
 	@echo "make test        lint, and all tests that need no PyTorch"
 	@echo "make test-model  the tests that need PyTorch"
+	@echo "make test-teacher  the tests that need the simulator"
 	@echo "make lint        formatting, lints and type checks"
 	@echo "make bench       how long every stage takes"
+	@echo "make evaluate    the draping's figures, against simulated drapes too"
 	@echo "make train       generate outfits and train the networks"
 	@echo "make export      write the trained networks as ONNX"
 	@echo "make thumbnails  draw the pictures of the demo outfits again"
@@ -79,6 +82,10 @@ $(MODEL_TOOLS): model/requirements-model.txt model/requirements-test.txt model/r
 	@echo "setting up $(MODEL_VENV) with PyTorch"
 	python3 -m venv $(MODEL_VENV)
 	$(MODEL_VENV)/$(PIP) install -r model/requirements-model.txt
+	touch $@
+
+$(TEACHER_TOOLS): model/requirements-teacher.txt $(MODEL_TOOLS)
+	$(MODEL_VENV)/$(PIP) install -r model/requirements-teacher.txt
 	touch $@
 
 $(WEB_MODULES): web/package-lock.json | tools
@@ -146,8 +153,27 @@ chromium:
 test-model: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m pytest tests_model
 
+test-teacher: $(TEACHER_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m pytest tests_teacher
+
 bench: build
 	$(TOILE) bench
+
+# Small sets by default, in minutes; `make evaluate EVALUATE=full` is what docs/deepsd.md shows, in hours.
+EVALUATE ?= small
+small_TEACHER := --outfits 5 --bodies 1 --poses 2 --vertices 800 --out data/teacher_small
+full_TEACHER := --out data/teacher
+small_POSES := --poses 5
+evaluate: build $(TEACHER_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m outfits.held_out --count 5 >/dev/null
+	cd model && ../$(MODEL_VENV)/bin/python -m outfits.artist_like >/dev/null
+	@echo "Outfits of kinds never trained on"
+	$(TOILE) evaluate $($(EVALUATE)_POSES) model/data/held_out/0[0-4]_*.obj
+	@echo "Outfits with the faults of artists' files"
+	$(TOILE) evaluate $($(EVALUATE)_POSES) model/data/artist_like/*.obj
+	@echo "Against simulated drapes"
+	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m teacher.drapes $($(EVALUATE)_TEACHER) | grep steps
+	cd model && ../$(MODEL_VENV)/bin/python -m teacher.compare --drapes $(lastword $($(EVALUATE)_TEACHER))
 
 # One thread each: two runs side by side use both cores better than one.
 train: $(MODEL_TOOLS)

@@ -24,7 +24,7 @@ from garment.graph import mesh_edges
 from garment.rest_mesh import hinges
 
 from .checks import lengths
-from .drapes import TEACHER, Size, draped, faults, good, runs
+from .drapes import TEACHER, Size, draped, faults, folders_in, good, runs
 
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
@@ -115,7 +115,7 @@ def main() -> None:
     p.add_argument("--drapes", type=Path, default=TEACHER)
     a = p.parse_args()
     found: dict[str, dict[str, list[Figures]]] = {}
-    folders = sorted(f for f in a.drapes.iterdir() if (f / "set.json").exists())
+    folders = folders_in(a.drapes)
     for folder in folders:
         for way, figures in compare(folder):
             found.setdefault(way, {}).setdefault(folder.name, []).append(figures)

@@ -55,8 +55,8 @@ class Size:
 
     outfits: int = 15
     bodies: int = 2  # of its own for each outfit
-    poses: int = 12  # of its own for each outfit
-    vertices: int = 1200  # of an outfit at most, about: a drape takes half a minute
+    poses: int = 10  # of its own for each outfit
+    vertices: int = 1500  # of an outfit at most, about: a drape takes half a minute
 
 
 def prepare(size: Size, out: Path) -> list[Path]:
@@ -162,6 +162,11 @@ def alone(rest: Floats, garment: NDArray) -> NDArray[np.bool_]:
         if not mine.all():
             out[mine] = cKDTree(rest[~mine]).query(rest[mine])[0] > LAYERED
     return out
+
+
+def folders_in(out: Path) -> list[Path]:
+    """An outfit each."""
+    return sorted(f for f in out.iterdir() if (f / "set.json").exists())
 
 
 def good(path: Path) -> Floats | None:

@@ -40,6 +40,7 @@ class Settings:
     least: float = 0.003  # m, distance kept from the skin by cloth that rests nearer
     radius: float = 0.005  # m, distance kept from the skin
     bulge: float = 0.06  # m, radius of the skin that a triangle bridges; its corners keep off by how far it would enter
+    most_off: float = 0.008  # m that they keep off at most: more would squeeze cloth out from between the thighs
     layers: float = 0.0015  # m, distance that cloth keeps from cloth
     look: float = 0.0015  # m beyond it within which contacts of cloth with cloth are looked for
     contact: float = 2e3  # N/m, stiffness of a vertex on the skin
@@ -126,7 +127,8 @@ def kept_off(cloth: Cloth, s: Settings) -> Floats:
     longest = np.zeros(len(cloth.rest))
     for ends in edges.T:
         np.maximum.at(longest, ends, np.linalg.norm(cloth.rest[edges[:, 0]] - cloth.rest[edges[:, 1]], axis=1))
-    return np.clip(cloth.distance, s.least, s.radius + cloth.alone * longest**2 / (8 * s.bulge))
+    wanted = np.minimum(s.radius + cloth.alone * longest**2 / (8 * s.bulge), s.most_off)
+    return np.clip(cloth.distance, s.least, wanted)
 
 
 def _bend_as_losses(model: newton.Model, cloth: Cloth, fabric: Fabric) -> None:

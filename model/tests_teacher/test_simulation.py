@@ -1,0 +1,77 @@
+"""The simulator on cloth whose rest is known: it hangs from what holds it and lies on what is below."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fabric import Fabric
+from garment.graph import mesh_edges
+from teacher.checks import Limits, judge, lengths
+from teacher.simulation import Cloth, Settings, equilibrium, kept_off
+
+DOWN = np.array([0.0, -Fabric.gravity, 0.0])
+
+
+def sheet(count: int, side: float, height: float) -> tuple[np.ndarray, np.ndarray]:
+    """A level square of count x count vertices, facing up."""
+    at = np.linspace(-side / 2, side / 2, count)
+    x, z = np.meshgrid(at, at, indexing="ij")
+    v = np.stack([x.ravel(), np.full(count**2, height), z.ravel()], 1)
+    first = (np.arange(count - 1)[:, None] * count + np.arange(count - 1)).ravel()
+    a, b, c, d = first, first + 1, first + count + 1, first + count
+    return v, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def ball(radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """A sphere of 32 x 16 faces about the origin, facing out."""
+    turn, fall = np.meshgrid(2 * np.pi * np.arange(32) / 32, np.pi * np.arange(17) / 16, indexing="ij")
+    v = np.stack([np.sin(fall) * np.cos(turn), np.cos(fall), np.sin(fall) * np.sin(turn)], 2).reshape(-1, 3)
+    first = (np.arange(32)[:, None] * 17 + np.arange(16)).ravel()
+    beside = (first + 17) % len(v)
+    t = np.concatenate([np.stack([first, beside, first + 1], 1), np.stack([beside, beside + 1, first + 1], 1)])
+    return radius * v, t
+
+
+def cloth(v: np.ndarray, t: np.ndarray, held: list[int], pull: np.ndarray) -> Cloth:
+    n = len(v)
+    return Cloth(v, t, np.full(n, 0.02), np.ones(n, bool), np.broadcast_to(pull, (n, 3)), np.array(held, np.int64))
+
+
+@pytest.fixture(scope="module")
+def over_a_ball() -> tuple[Cloth, np.ndarray, float, tuple[np.ndarray, np.ndarray]]:
+    v, t = sheet(15, 0.5, 0.0)
+    square, body = cloth(v, t, [], DOWN), ball(0.15)
+    end = equilibrium(square, v + np.array([0, 0.17, 0]), body, Settings())
+    return square, end.x, end.residual, body
+
+
+def test_cloth_lies_on_a_ball_and_hangs_around_it(
+    over_a_ball: tuple[Cloth, np.ndarray, float, tuple[np.ndarray, np.ndarray]],
+) -> None:
+    square, x, residual, body = over_a_ball
+    judged = judge(x, residual, (square.rest + np.array([0, 0.17, 0]), square.rest), square.triangles, body)
+    assert judged.fault(Limits()) is None, judged
+    assert x[112, 1] > 0.15, "the middle rests on top"
+    corners = x[[0, 14, 210, 224], 1]
+    assert (corners < 0.0).all(), f"the corners hang beside the ball: {corners}"
+    edges = mesh_edges(square.triangles)
+    assert np.abs(lengths(x, edges) / lengths(square.rest, edges) - 1).mean() < 0.03
+
+
+def test_cloth_without_weight_stays_and_held_cloth_hangs_from_its_edge() -> None:
+    v, t = sheet(9, 0.3, 1.0)
+    far = ball(0.1)
+    still = equilibrium(cloth(v, t, [], 0 * DOWN), v, far, Settings(most=30))
+    assert np.allclose(still.x, v, atol=1e-4)
+    edge = list(range(9))
+    hung = equilibrium(cloth(v, t, edge, DOWN), v, far, Settings(most=300)).x
+    assert np.allclose(hung[edge], v[edge], atol=1e-6)
+    assert (hung[-9:, 1] < 0.75).all(), "30 cm of cloth below the edge that is held"
+
+
+def test_corners_of_large_triangles_keep_farther_off_where_there_is_room() -> None:
+    small, large = (cloth(*sheet(9, side, 1.0), [], DOWN) for side in (0.05, 0.6))
+    s = Settings()
+    assert np.allclose(kept_off(small, s), s.radius, atol=1e-3)
+    assert np.allclose(kept_off(large, s), s.most_off)
