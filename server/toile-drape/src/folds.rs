@@ -12,6 +12,11 @@ pub const REACH: f32 = 0.04;
 /// Cosine of the normals of the two surfaces of a fold, at most: open creases, as of a bent hip, are folds too.
 /// Training leaves out the pinched ones alone, whose surfaces face each other (`model/garment/folds.py`).
 const OPPOSED: f32 = 0.5;
+/// The same below which surfaces are a fold even where the body has grown into itself; otherwise each must lie in front
+/// of the other, or a bent knee's cap would be one.
+const GROWN_IN: f32 = -0.2;
+/// How far it grows into itself, metres: further apart are the two sides of a knee.
+const DEEPEST: f32 = 0.015;
 /// Stands for "no surface faces this one".
 pub const NONE: u32 = u32::MAX;
 
@@ -43,6 +48,15 @@ struct Surface<'a> {
     parts: &'a [Option<Part>],
 }
 
+impl Surface<'_> {
+    fn is_fold(&self, a: usize, b: usize) -> bool {
+        let between = self.normals[a].dot(self.normals[b]);
+        let hollow = (self.vertices[b] - self.vertices[a]).dot(self.normals[b] - self.normals[a]) < 0.0;
+        let near = self.vertices[a].distance_squared(self.vertices[b]) < DEEPEST * DEEPEST;
+        between < OPPOSED && (hollow || (near && between < GROWN_IN))
+    }
+}
+
 /// Notes for the vertices of part `from` those of part `to` that face them.
 fn look(s: &Surface<'_>, from: Part, to: Part, found: &mut [(u32, f32)]) {
     let of = |part: Part| s.parts.iter().enumerate().filter(move |(_, p)| **p == Some(part)).map(|(v, _)| v);
@@ -57,8 +71,7 @@ fn look(s: &Surface<'_>, from: Part, to: Part, found: &mut [(u32, f32)]) {
     };
     for v in asking {
         let hit = tree.nearest(s.vertices[v]);
-        let opposed = s.normals[v].dot(s.normals[hit.index as usize]) < OPPOSED;
-        if opposed && hit.distance < found[v].1 {
+        if s.is_fold(v, hit.index as usize) && hit.distance < found[v].1 {
             found[v] = (hit.index, hit.distance);
         }
     }
@@ -79,5 +92,19 @@ mod tests {
         let parts = [Part::Trunk, Part::ThighLeft, Part::CalfLeft, Part::ThighRight].map(Some);
         assert_eq!(facing(&vertices, &normals, &parts), [1, 0, 1, NONE]);
         assert_eq!(facing(&vertices, &normals, &[None; 4]), [NONE; 4]);
+    }
+
+    #[test]
+    fn a_crease_is_a_fold_and_the_ridge_of_a_bent_knee_is_not() {
+        let normals = [Vec3::new(0.8, 0.6, 0.0), Vec3::new(-0.8, 0.6, 0.0)];
+        let parts = [Part::ThighLeft, Part::CalfLeft].map(Some);
+        let crease = [Vec3::X * -0.007, Vec3::X * 0.007];
+        assert_eq!(facing(&crease, &normals, &parts), [1, 0]);
+        let ridge = [Vec3::X * 0.007, Vec3::X * -0.007];
+        assert_eq!(facing(&ridge, &normals, &parts), [1, 0], "opposed: grown into itself");
+        let open = [Vec3::new(0.6, 0.8, 0.0), Vec3::new(-0.6, 0.8, 0.0)];
+        assert_eq!(facing(&crease, &open, &parts), [1, 0]);
+        assert_eq!(facing(&ridge, &open, &parts), [NONE; 2]);
+        assert_eq!(facing(&[ridge[0] * 2.0, ridge[1] * 2.0], &normals, &parts), [NONE; 2], "a thin knee");
     }
 }
