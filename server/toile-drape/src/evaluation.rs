@@ -91,6 +91,17 @@ pub fn crossed(outfit: &Outfit, positions: &[Vec3], edges: &[[u32; 2]]) -> (f32,
     (share(|c| c.own), share(|c| c.other))
 }
 
+/// Percent of the triangles that face away in `after` from where they faced in `before`: torn or folded over.
+#[must_use]
+pub fn turned(outfit: &Outfit, before: &[Vec3], after: &[Vec3]) -> f32 {
+    let normal = |positions: &[Vec3], t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| positions.get(i as usize).copied().unwrap_or_default());
+        (b - a).cross(c - a)
+    };
+    let over = |t: &&[u32; 3]| normal(before, t).dot(normal(after, t)) < 0.0;
+    percent(outfit.triangles.iter().filter(over).count(), outfit.triangles.len())
+}
+
 fn percent(part: usize, whole: usize) -> f32 {
     100.0 * part as f32 / whole.max(1) as f32
 }
@@ -109,6 +120,16 @@ mod tests {
 
     use crate::outfit::Outfit;
     use crate::posed_body::PosedBody;
+
+    #[test]
+    fn a_triangle_turned_over_is_counted_and_a_bent_one_is_not() {
+        let outfit = Outfit { triangles: vec![[0, 1, 2], [1, 3, 2]], ..Outfit::default() };
+        let flat = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z];
+        let bent = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z + Vec3::Y];
+        let over = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::Y * 0.1];
+        assert_eq!(turned(&outfit, &flat, &bent), 0.0);
+        assert_eq!(turned(&outfit, &flat, &over), 50.0);
+    }
 
     #[test]
     fn a_vertex_behind_the_body_plane_counts_as_inside() {

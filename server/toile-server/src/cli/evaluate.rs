@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Deserialize;
-use toile_drape::evaluation::{Figures, crossed};
+use toile_drape::evaluation::{Figures, crossed, turned};
 use toile_drape::methods::MethodKind;
 use toile_drape::network::Networks;
 use toile_drape::outfit::Outfit;
@@ -56,6 +56,8 @@ struct Row {
     after: Figures,
     /// Percent of the edges that pass through their own garment and through another in the rest pose.
     rest_crossed: (f32, f32),
+    /// Percent of the triangles that the resolve turned over, mean and worst frame.
+    turned: (f32, f32),
 }
 
 impl Evaluate {
@@ -75,19 +77,22 @@ impl Evaluate {
             set.poses.len()
         );
         println!(
-            "| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max | self-crossed % rest / before / after | layers crossed % |"
+            "| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max | turned over % mean / worst | self-crossed % rest / before / after | layers crossed % |"
         );
-        println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|");
+        println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
         let judge = Judge { assets: &assets, method, motions: &motions, keep: self.keep.as_deref() };
         let mut rows = Vec::new();
         for path in &self.outfits {
             let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            let Draped { frames, rest_crossed } = judge.frames(path, &name, &mut networks)?;
+            let Draped { frames, turned, rest_crossed } = judge.frames(path, &name, &mut networks)?;
             if self.worst {
                 report_worst(&name, &frames, set.poses.len());
             }
             let (before, after): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
-            let row = Row { before: Figures::mean(&before), after: Figures::mean(&after), rest_crossed };
+            let turned =
+                (turned.iter().sum::<f32>() / turned.len().max(1) as f32, largest(turned.iter().copied()));
+            let row =
+                Row { before: Figures::mean(&before), after: Figures::mean(&after), rest_crossed, turned };
             row.print(&name);
             rows.push(row);
         }
@@ -99,6 +104,8 @@ impl Evaluate {
 /// Figures of every frame before and after the resolve, and what is crossed in the rest pose already.
 struct Draped {
     frames: Vec<(Figures, Figures)>,
+    /// Percent of the triangles of every frame that the resolve turned over.
+    turned: Vec<f32>,
     rest_crossed: (f32, f32),
 }
 
@@ -114,7 +121,7 @@ impl Judge<'_> {
     /// Figures of an outfit; keeps the drapes where that is asked for.
     fn frames(&self, path: &Path, name: &str, networks: &mut dyn Networks) -> Result<Draped, Failure> {
         let (outfit, statics) = read(path, self.assets, networks)?;
-        let (mut frames, mut drapes) = (Vec::new(), KeptDrapes::default());
+        let (mut frames, mut over, mut drapes) = (Vec::new(), Vec::new(), KeptDrapes::default());
         let (studio, method) = (&self.assets.studio, self.method);
         for motion in self.motions {
             let work = DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
@@ -124,6 +131,7 @@ impl Judge<'_> {
             let fitted = statics.fitted(studio, &motion.shape, &shaped);
             let measure = |f| Figures::measure(&outfit, f, &statics.edges, &fitted.lengths);
             frames.extend(before.iter().map(measure).zip(after.iter().map(measure)));
+            over.extend(before.iter().zip(&after).map(|(b, a)| turned(&outfit, &b.positions, &a.positions)));
             if self.keep.is_some() {
                 drapes.add((&fitted.rest, &shaped.apose_vertices), &before, &after);
             }
@@ -131,7 +139,7 @@ impl Judge<'_> {
         if let Some(folder) = self.keep {
             drapes.write(&outfit, &folder.join(format!("{name}.safetensors")))?;
         }
-        Ok(Draped { frames, rest_crossed: crossed(&outfit, &statics.rest, &statics.edges) })
+        Ok(Draped { frames, turned: over, rest_crossed: crossed(&outfit, &statics.rest, &statics.edges) })
     }
 }
 
@@ -161,6 +169,10 @@ fn report_worst(name: &str, frames: &[(Figures, Figures)], poses: usize) {
     }
 }
 
+fn largest(values: impl Iterator<Item = f32>) -> f32 {
+    values.fold(0.0, f32::max)
+}
+
 impl Row {
     fn mean(rows: &[Self]) -> Self {
         let column = |f: fn(&Self) -> Figures| Figures::mean(&rows.iter().map(f).collect::<Vec<_>>());
@@ -169,13 +181,14 @@ impl Row {
             before: column(|r| r.before),
             after: column(|r| r.after),
             rest_crossed: (rest(|r| r.rest_crossed.0), rest(|r| r.rest_crossed.1)),
+            turned: (rest(|r| r.turned.0), largest(rows.iter().map(|r| r.turned.1))),
         }
     }
 
     fn print(&self, name: &str) {
         let (b, a) = (&self.before, &self.after);
         println!(
-            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.1} / {:.1} | {:.2} / {:.2} | {:.1} | {:.2} / {:.2} / {:.2} | {:.2} / {:.2} / {:.2} |",
+            "| {name} | {:.2} / {:.2} | {:.3} / {:.3} | {:.2} / {:.2} | {:.1} / {:.1} | {:.2} / {:.2} | {:.1} | {:.2} / {:.1} | {:.2} / {:.2} / {:.2} | {:.2} / {:.2} / {:.2} |",
             b.vertices_inside,
             b.centroids_inside,
             a.vertices_inside,
@@ -187,6 +200,8 @@ impl Row {
             b.stretch_p999,
             a.stretch_p999,
             a.stretch_max,
+            self.turned.0,
+            self.turned.1,
             self.rest_crossed.0,
             b.self_crossed,
             a.self_crossed,
