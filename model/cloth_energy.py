@@ -19,6 +19,8 @@ PINCHED = 0.02
 KEEP = 15.0
 #: N/m3, resistance to offsets of cloth on the skin, and how far (m) the skin grips.
 GRIP, GRIP_REACH = 400.0, 0.008
+#: N/m3, how firmly waistbands hold.
+WAISTBAND = 5000.0
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,7 @@ def terms(d: Posed, offset: Tensor, mesh: RestMesh, near: Contacts, sample: Samp
     on_skin = borne(sample)
     margin = sample.distance.clamp(fabric.least, fabric.thickness)
     grip = KEEP * (0.1 + on_skin) + GRIP * torch.exp(-sample.distance.clamp(min=0) / GRIP_REACH)
+    grip = grip.index_fill(0, sample.held, WAISTBAND)
     share = torch.where(near.pinched, PINCHED, 1.0)
     out = {
         "stretch": energies.stretch(d.posed, mesh, sample.distance, fabric),

@@ -40,9 +40,8 @@ class Schedule:
 
     prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
     smooth_weights: float = 2.0
-    target: float = 1000.0  # N/m3, distance of hanging cloth from where relaxation puts it, fades to a fifth at the end
-    least: float = 0.25  # share of it for cloth on the skin
-    aimed: float = 0.5  # share of the draws that have relaxed cloth to aim at
+    target: float = 1000.0  # N/m3, distance of cloth from where relaxation puts it, fades to a fifth at the end
+    aimed: float = 0.75  # share of the draws that have relaxed cloth to aim at
 
     def target_at(self, progress: float) -> float:
         return self.target * min(1.0, 1 - 2 * (progress - 0.6))
@@ -145,8 +144,10 @@ def step(net: DeePSD, data: Data, rng: np.random.Generator, poses: int, progress
     d, mesh, contacts = run_one(net, sample, bank, entry, chosen)
     terms = losses(d, mesh, contacts, sample, Schedule(), progress)
     if target is not None:
-        hanging = Schedule().target_at(progress) * (1 - cloth_energy.borne(sample)).clamp(min=Schedule.least)
-        terms["target"] = energies.hold(d.posed - target.x, hanging, mesh.area)
+        # Relaxed cloth is held by its waistband and by friction; holding it back as well would move it away from there.
+        del terms["hold"]
+        firmness = torch.full_like(sample.distance, Schedule().target_at(progress))
+        terms["target"] = energies.hold(d.posed - target.x, firmness, mesh.area)
     total = torch.stack(list(terms.values())).sum()
     total.backward()
     return {k: v.item() for k, v in terms.items()} | measures(d, mesh, contacts)

@@ -23,6 +23,7 @@ from garment.graph import build, mesh_edges
 from garment.ornaments import ride
 from garment.refine import refined
 from garment.rest_mesh import rest_mesh, topology
+from garment.waistbands import held
 from nets.deepsd import Graph, gather_mean, top_four
 
 DATA = Path(__file__).parent / "data"
@@ -48,6 +49,7 @@ class Sample:
     outer: Tensor  # (Q,) vertices that lie over an inner garment
     inner: Tensor  # (Q, 8) vertices of that garment
     layer_gap: Tensor  # (Q,) rest distance to it
+    held: Tensor  # (H,) vertices of waistbands
 
 
 def prepare(path: Path) -> dict[str, np.ndarray]:
@@ -71,6 +73,7 @@ def prepare(path: Path) -> dict[str, np.ndarray]:
     out["shape_index"], out["shape_weight"] = shape.indices.reshape(len(v), -1), shape.data.reshape(len(v), -1)
     hit = cKDTree(surface.vertices).query(v)[1]
     out["distance"] = ((v - surface.vertices[hit]) * surface.normals[hit]).sum(1)
+    out["held"] = held(v, t, garment, surface.vertices)
     out["outer"], out["inner"], out["layer_gap"] = layer_tables(v, vertex_normals(v, t), garment)
     return out
 

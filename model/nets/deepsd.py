@@ -23,6 +23,9 @@ SHAPE = 26
 POSE = JOINTS * 12
 #: Offsets are predicted in this unit, so that the heads work near one.
 OFFSET_UNIT = 0.03
+#: Where the features have the distance to the skin, decimetres, and the distance (m) from which offsets are free: cloth
+#: on the skin moves with it, also where an outfit is unlike those of training.
+DISTANCE, FREE = 9, 0.008
 
 torch.sparse.check_sparse_tensor_invariants.disable()
 warnings.filterwarnings("ignore", message="Sparse CSR tensor support is in beta")
@@ -135,7 +138,8 @@ class StaticPass(nn.Module):
         """
         h = self.descriptors(features, g)
         weights = torch.softmax(torch.log(prior + 1e-3) + self.omega(h), dim=1)
-        return weights, self.psi(h) * OFFSET_UNIT, h
+        free = 1 - torch.exp(-0.1 / FREE * features[:, DISTANCE : DISTANCE + 1].clamp(min=0))
+        return weights, self.psi(h) * free * OFFSET_UNIT, h
 
 
 class Coefficients(nn.Module):

@@ -26,6 +26,7 @@ from scipy.spatial import cKDTree
 from body.anny_body import AnnyBody
 from body.pose_sampling import sample_poses
 from evaluation_set import rounded
+from garment.waistbands import held
 from outfits.held_out import held_out, write_obj
 from outfits.resolutions import coarser
 from training_data import DATA, random_shape
@@ -43,8 +44,6 @@ TOILE = Path(__file__).parents[2] / "target" / "release" / "toile"
 SEED = 40_000
 #: m, moves of the vertices at the start of the second run that tells how far the teacher agrees with itself.
 PERTURBED = 0.002
-#: Share of the body's height from which a garment hangs from the shoulders.
-SHOULDERS = 0.77
 #: m, distance within which garments lie over each other.
 LAYERED = 0.05
 
@@ -140,16 +139,14 @@ def scene(start: dict[str, NDArray], body: int, pose: int) -> tuple[Cloth, tuple
     """What drapes, and the skin that it drapes on."""
     from .colliders import touched
     from .simulation import Cloth
-    from .waistbands import held
     from .weight import pull
 
     rest, skin, triangles = start["rest"][body], start["skin"][body], start["triangles"].astype(np.int64)
-    shoulders = float(skin[:, 1].min() + SHOULDERS * np.ptp(skin[:, 1]))
     distance = cKDTree(skin).query(rest)[0]
     cloth = Cloth(
         rest, triangles, distance, alone(rest, start["garment"]),
         pull(rest, start["draped"][body, pose], triangles, distance),
-        held(rest, triangles, start["garment"], skin, shoulders),
+        held(rest, triangles, start["garment"], skin),
     )  # fmt: skip
     return cloth, (start["body"][body, pose], touched(rest, skin, AnnyBody.load()))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from garment.graph import mesh_edges
+from garment.waistbands import held
 from teacher.checks import Judged, Limits, crossing, judge
-from teacher.waistbands import held
 from teacher.weight import pull, turns
 
 
@@ -32,11 +32,11 @@ def test_a_skirt_is_held_at_its_waist_and_a_shirt_is_not() -> None:
     body, _ = tube(32, 30, 0.09, 1.45)
     skirt, t = tube(16, 8, 0.1, 1.0)
     garment = np.zeros(len(skirt), int)
-    assert set(held(skirt, t, garment, body, 1.3)) == set(range(16))
+    assert set(held(skirt, t, garment, body)) == set(range(16))
     over = skirt * np.array([1.4, 1, 1.4])
-    assert set(held(over, t, garment, body, 1.3)) == set(range(16)), "over a shirt that is tucked in"
-    assert not len(held(skirt + np.array([0, 0.4, 0]), t, garment, body, 1.3)), "it hangs from the shoulders"
-    assert not len(held(skirt * np.array([2, 1, 2]), t, garment, body, 1.3)), "its border is not on the skin"
+    assert set(held(over, t, garment, body)) == set(range(16)), "over a shirt that is tucked in"
+    assert not len(held(skirt + np.array([0, 0.4, 0]), t, garment, body)), "it hangs from the shoulders"
+    assert not len(held(skirt * np.array([2, 1, 2]), t, garment, body)), "its border is not on the skin"
 
 
 def test_what_is_not_a_number_is_no_target() -> None:

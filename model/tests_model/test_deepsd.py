@@ -15,7 +15,7 @@ from garment.features import node_features
 from garment.graph import build
 from garment.nearest import vertex_normals
 from garment.refine import refined
-from nets.deepsd import ConcatenatedPsi, Graph, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
+from nets.deepsd import DISTANCE, ConcatenatedPsi, Graph, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
 from train_deepsd import Data, DeePSD, Settings, learn, run_one, validate
 from training_data import BodyBank, OutfitPool, Sample, TargetPool, load_samples
 
@@ -72,6 +72,16 @@ def test_the_a_pose_has_no_offsets(sample: Sample, bank: BodyBank) -> None:
     pose = pose_features(still, bank.parents)
     assert pose.abs().max().item() == 0
     assert net.coefficients(pose, bank.entries[1].shape[None]).abs().max().item() == 0
+
+
+def test_cloth_on_the_skin_moves_with_it(sample: Sample) -> None:
+    features = sample.features.clone()
+    features[:, DISTANCE] = 0.0
+    weights, basis, _ = StaticPass(Sizes())(features, sample.prior, sample.graph)
+    assert basis.abs().max() < 1e-7
+    free = StaticPass(Sizes())(sample.features, sample.prior, sample.graph)[1]
+    assert free[sample.features[:, DISTANCE] > 0.2].abs().max() > 1e-3
+    assert torch.allclose(weights.sum(1), torch.ones(len(weights)))
 
 
 def test_skinning_with_one_moved_joint_moves_its_vertices_alone() -> None:

@@ -13,17 +13,19 @@ Ints = NDArray[np.integer]
 
 #: m from the skin within which a border can be a waistband, over what is tucked in; m above the hem at least.
 NEAR, ABOVE = 0.06, 0.1
+#: Share of the body's height from which a garment hangs from the shoulders.
+SHOULDERS = 0.77
 
 
-def held(rest: Floats, triangles: Ints, garment: Ints, body: Floats, shoulders: float) -> Ints:
-    """Vertices of the highest border near the skin of every garment that does not reach the `shoulders` (m).
+def held(rest: Floats, triangles: Ints, garment: Ints, body: Floats) -> Ints:
+    """Vertices of the highest border near the skin of every garment that does not reach the shoulders.
 
     rest (N, 3), triangles (T, 3), garment (N,), body (V, 3): all in the A-pose.
     """
     edges = borders(triangles)
     if not len(edges):
         return np.zeros(0, np.int64)
-    count = len(rest)
+    count, shoulders = len(rest), float(body[:, 1].min() + SHOULDERS * np.ptp(body[:, 1]))
     links = coo_matrix((np.ones(len(edges)), edges.T), (count, count))
     loop = connected_components(links, directed=False)[1]
     on_border, distance = np.unique(edges), cKDTree(body).query(rest)[0]
