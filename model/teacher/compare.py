@@ -72,8 +72,8 @@ def unit_normals(a: Floats, b: Floats, c: Floats) -> Floats:
     return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
 
 
-def compare(folder: Path) -> Iterator[tuple[str, Figures]]:
-    """Every way to drape with its figures, for every good drape of a folder."""
+def compare(folder: Path) -> Iterator[tuple[str, int, Figures]]:
+    """Every way to drape, body, and figures, for every good drape of a folder."""
     skin_triangles = AnnyBody.load().triangles
     ways = {m: draped(folder, m) for m in ("skinning", "deepsd", "deepsd-concat")}
     first = ways["skinning"]
@@ -87,12 +87,12 @@ def compare(folder: Path) -> Iterator[tuple[str, Figures]]:
         if run.perturbed:
             again = good(run.path)
             if again is not None:
-                yield "teacher again, from a start moved by 2 mm", scene.figures(again, teacher)
+                yield "teacher again, from a start moved by 2 mm", b, scene.figures(again, teacher)
             continue
         for name, way in ways.items():
-            yield f"{name}, before the resolve", scene.figures(way["draped"][b, p], teacher)
-        yield "deepsd, after the resolve", scene.figures(ways["deepsd"]["resolved"][b, p], teacher)
-        yield "teacher", scene.figures(teacher, teacher)
+            yield f"{name}, before the resolve", b, scene.figures(way["draped"][b, p], teacher)
+        yield "deepsd, after the resolve", b, scene.figures(ways["deepsd"]["resolved"][b, p], teacher)
+        yield "teacher", b, scene.figures(teacher, teacher)
 
 
 def table(found: dict[str, dict[str, list[Figures]]]) -> Iterator[str]:
@@ -117,7 +117,7 @@ def main() -> None:
     found: dict[str, dict[str, list[Figures]]] = {}
     folders = folders_in(a.drapes)
     for folder in folders:
-        for way, figures in compare(folder):
+        for way, _, figures in compare(folder):
             found.setdefault(way, {}).setdefault(folder.name, []).append(figures)
     for row in table(found):
         print(row)

@@ -1,0 +1,1 @@
+"""Pictures of docs/deepsd.md, drawn from what ships."""
