@@ -24,7 +24,7 @@ from .resolutions import coarser
 #: In turn: every kind never trained on, and what has open fronts and small pieces.
 FAMILIES = [*VALIDATION, "lapelled_jacket", "shirt_tie_trousers", "jacket_shirt_trousers", "collared_shirt_trousers"]
 #: m, how deep cloth is sunk at most, and how much deeper each next layer.
-SUNK, DEEPER = 0.012, 0.004
+SUNK, DEEPER = 0.030, 0.006
 #: m, pockets and buttons over the cloth that carries them.
 LIFT = 0.0025
 #: Shares of the vertices that are left, from garment to garment.
@@ -40,8 +40,10 @@ def artist_like(seed: int, family: str) -> tuple[Array, Index]:
     garments = [sunk(g, rng, SUNK + DEEPER * g.layer) for g in garments]
     outer = max((g for g in garments if g.kind not in ("tie", "bow")), key=lambda g: g.layer)
     pieces = [(g.vertices, g.triangles) for g in reversed(garments)]
-    pieces += [pocket(outer, side, rng) for side in (-1, 1)]
-    pieces += [button(outer, height) for height in np.linspace(1.05, 1.35, 5)]
+    low, high = outer.vertices[:, 1].min(), outer.vertices[:, 1].max()
+    pocketed = low + rng.uniform(0.25, 0.6) * (high - low)
+    pieces += [pocket(outer, np.array([x, pocketed])) for x in (-0.08, 0.08)]
+    pieces += [button(outer, height) for height in np.linspace(low, high, 7)[1:-1]]
     twice = int(rng.integers(len(garments)))
     pieces[twice] = double_sided(*pieces[twice])
     return one_mesh([split_along_seams(v, t) for v, t in pieces if len(t)])
@@ -61,9 +63,9 @@ def sunk(garment: GarmentMesh, rng: Rng, depth: float) -> GarmentMesh:
     return replace(garment, vertices=garment.vertices - depth * height[:, None] * normals)
 
 
-def pocket(garment: GarmentMesh, side: int, rng: Rng) -> tuple[Array, Index]:
-    """A patch of the cloth in front, over it."""
-    centre, size = np.array([side * 0.08, rng.uniform(0.95, 1.3)]), np.array([0.05, 0.06])
+def pocket(garment: GarmentMesh, centre: Array) -> tuple[Array, Index]:
+    """A patch of the cloth in front, over it. centre (2,): x and y."""
+    size = np.array([0.05, 0.06])
     middle = garment.vertices[garment.triangles].mean(1)
     inside = (np.abs(middle[:, :2] - centre) < size).all(1) & (middle[:, 2] > 0)
     normals = vertex_normals(garment.vertices, garment.triangles)
