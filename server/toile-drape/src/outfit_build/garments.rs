@@ -96,7 +96,8 @@ impl Groups {
         self.join(soup, &small, own);
     }
 
-    /// Gives each piece to the nearest of the drafts in `among`.
+    /// Gives each piece to that of the drafts in `among` to which most of its points are nearest: a tie whose tip
+    /// touches the waistband goes with the shirt that it lies on.
     fn join(&mut self, soup: &Soup, pieces: &[&Component], among: std::ops::Range<usize>) {
         let Some(first) =
             self.drafts.get(among.clone()).filter(|drafts| !drafts.is_empty()).map(|_| among.start)
@@ -114,10 +115,16 @@ impl Groups {
         let tree = if among.len() > 1 { PointTree::new(&points, |_| true) } else { None };
         for (position, piece) in pieces.iter().enumerate() {
             let tree = tree.as_ref().filter(|_| position < MOST_SEARCHED);
-            let hits =
-                piece.samples(soup, SAMPLES).into_iter().filter_map(|sample| Some(tree?.nearest(sample)));
-            let nearest = hits.min_by(|a, b| a.distance.total_cmp(&b.distance));
-            let owner = nearest.and_then(|hit| owners.get(hit.index as usize).copied()).unwrap_or(first);
+            let mut votes: BTreeMap<usize, (usize, f32)> = BTreeMap::new();
+            for hit in
+                piece.samples(soup, SAMPLES).into_iter().filter_map(|sample| Some(tree?.nearest(sample)))
+            {
+                let Some(owner) = owners.get(hit.index as usize) else { continue };
+                let (count, away) = votes.entry(*owner).or_default();
+                (*count, *away) = (*count + 1, *away + hit.distance);
+            }
+            let most = votes.into_iter().max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+            let owner = most.map_or(first, |(owner, _)| owner);
             if let Some(draft) = self.drafts.get_mut(owner) {
                 draft.faces.extend(&piece.faces);
             }

@@ -175,6 +175,21 @@ fn large_pieces_of_one_mesh_are_garments_and_small_ones_go_with_the_nearest() {
 }
 
 #[test]
+fn a_tie_goes_with_the_shirt_that_it_lies_on_though_its_tip_touches_the_trousers() {
+    let rows = 8_u32;
+    let at = |i: u32| {
+        Vec3::new((i % 2) as f32 * 0.02, 1.4 - 0.06 * (i / 2) as f32, 0.23 - 0.0025 * (i / 2) as f32)
+    };
+    let strips = (0..rows - 1).map(|r| 2 * r).flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
+    let tie = mesh("", (0..2 * rows).map(at).collect(), strips.collect());
+    let (outfit, _) =
+        built(vec![named("suit", joined(joined(tube(0.2, 1.1, 1.5), &tube(0.21, 0.1, 1.05)), &tie))]);
+    let shirt =
+        outfit.garments.iter().find(|g| outfit.positions[g.vertices.start as usize].y > 1.06).unwrap();
+    assert_eq!(shirt.vertices.len(), tube(0.2, 1.1, 1.5).positions.len() + 16);
+}
+
+#[test]
 fn names_are_unique_never_empty_and_never_the_bodys() {
     let low = |name| named(name, tube(0.2, 0.2, 0.6));
     let high = |name| named(name, tube(0.2, 0.9, 1.3));
