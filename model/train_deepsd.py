@@ -131,16 +131,16 @@ def validate(net: DeePSD, samples: list[Sample], bank: BodyBank) -> dict[str, fl
     return {k: float(np.mean([r[k] for r in rows if k in r])) for k in sorted({k for r in rows for k in r})}
 
 
-def step(net: DeePSD, data: Data, rng: np.random.Generator, poses: int, progress: float) -> dict[str, float]:
+def step(net: DeePSD, data: Data, rng: np.random.Generator, s: Settings, progress: float) -> dict[str, float]:
     """Gradients of one random outfit and shape, accumulated; a share of the steps has relaxed cloth to aim at."""
     bank, target = data.bank, None
-    if data.targets.targets and rng.random() < Schedule.aimed:
+    if data.targets.targets and rng.random() < s.aimed:
         target = data.targets.targets[rng.integers(len(data.targets.targets))]
         sample, entry, chosen = target.sample, bank.entries[target.entry], target.poses
     else:
         sample = data.outfits.samples[rng.integers(len(data.outfits.samples))]
         entry = bank.entries[rng.integers(len(bank.entries))]
-        chosen = torch.as_tensor(rng.choice(len(entry.vertices), poses, replace=False))
+        chosen = torch.as_tensor(rng.choice(len(entry.vertices), s.poses, replace=False))
     d, mesh, contacts = run_one(net, sample, bank, entry, chosen)
     terms = losses(d, mesh, contacts, sample, Schedule(), progress)
     if target is not None:
@@ -148,7 +148,7 @@ def step(net: DeePSD, data: Data, rng: np.random.Generator, poses: int, progress
         del terms["hold"]
         firmness = torch.full_like(sample.distance, Schedule().target_at(progress))
         terms["target"] = energies.hold(d.posed - target.x, firmness, mesh.area)
-    total = torch.stack(list(terms.values())).sum()
+    total = torch.stack([value for name, value in terms.items() if s.terms is None or name in s.terms]).sum()
     total.backward()
     return {k: v.item() for k, v in terms.items()} | measures(d, mesh, contacts)
 
@@ -164,6 +164,8 @@ class Settings:
     rate: float = 4e-3
     seed: int = 0
     start: float = 0.0  # progress at which a resumed run goes on
+    aimed: float = Schedule.aimed
+    terms: frozenset[str] | None = None  # energies that count, all by default (`ablation`)
 
 
 @dataclass(frozen=True)
@@ -191,7 +193,7 @@ def learn(net: DeePSD, data: Data, s: Settings, out: Path) -> None:
     while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
         rate = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
         optimisers.set_rate(tools, rate)
-        history += [step(net, data, rng, s.poses, progress) for _ in range(s.outfits_per_step)]
+        history += [step(net, data, rng, s, progress) for _ in range(s.outfits_per_step)]
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
         optimisers.step(tools)
         average.update_parameters(net)

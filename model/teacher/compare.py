@@ -72,11 +72,14 @@ def unit_normals(a: Floats, b: Floats, c: Floats) -> Floats:
     return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
 
 
-def compare(folder: Path) -> Iterator[tuple[str, int, Figures]]:
+METHODS = ("skinning", "deepsd", "deepsd-concat")
+
+
+def compare(folder: Path, methods: tuple[str, ...] = METHODS) -> Iterator[tuple[str, int, Figures]]:
     """Every way to drape, body, and figures, for every good drape of a folder."""
     skin_triangles = AnnyBody.load().triangles
-    ways = {m: draped(folder, m) for m in ("skinning", "deepsd", "deepsd-concat")}
-    first = ways["skinning"]
+    ways = {m: draped(folder, m) for m in methods}
+    first = ways[methods[0]]
     triangles = first["triangles"].astype(np.int64)
     bodies, poses = first["draped"].shape[:2]
     for run in runs([folder], Size(1, bodies, poses)):
@@ -91,7 +94,8 @@ def compare(folder: Path) -> Iterator[tuple[str, int, Figures]]:
             continue
         for name, way in ways.items():
             yield f"{name}, before the resolve", b, scene.figures(way["draped"][b, p], teacher)
-        yield "deepsd, after the resolve", b, scene.figures(ways["deepsd"]["resolved"][b, p], teacher)
+        if "deepsd" in ways:
+            yield "deepsd, after the resolve", b, scene.figures(ways["deepsd"]["resolved"][b, p], teacher)
         yield "teacher", b, scene.figures(teacher, teacher)
 
 

@@ -1,0 +1,107 @@
+"""What each loss does: `python -m ablation --minutes 15`, as the paper's Tables 1 and 3.
+
+Trains a network from nothing for each row, on the outfits and relaxed drapes of `make train`, and compares it with
+simulated drapes (`teacher.compare`, which needs `teacher.drapes`). L_D is the distance to relaxed drapes, L_E stretch,
+L_B bend, L_C contact with body and layers. Networks that are there already are only compared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import torch
+
+from export import ARTIFACTS, export_all
+from nets.deepsd import ConcatenatedPsi, Sizes
+from teacher.compare import Figures, compare, table
+from teacher.drapes import TEACHER, folders_in
+from train_deepsd import RUNS, Data, DeePSD, Settings, learn
+from training_data import DATA, BodyBank, OutfitPool, TargetPool
+
+#: Of the blend weights, in every row.
+ALWAYS = frozenset({"prior", "smooth"})
+
+
+@dataclass(frozen=True)
+class Row:
+    """A network of the table."""
+
+    name: str
+    terms: frozenset[str] | None = None
+    aimed: float = 1.0
+    then: float | None = None  # share of aimed draws in the second half, where it changes
+
+    @property
+    def checkpoint(self) -> Path:
+        return RUNS / "ablation" / f"{self.name.replace(' ', '_')}.pt"
+
+
+def with_terms(name: str, *terms: str) -> Row:
+    return Row(name, ALWAYS | {"target", *terms})
+
+
+ROWS = (
+    with_terms("L_D"),
+    with_terms("L_D + L_E", "stretch"),
+    with_terms("L_D + L_B", "bend"),
+    with_terms("L_D + L_C", "contact", "layer"),
+    Row("all"),
+    Row("unsupervised", aimed=0.0),
+    Row("supervised, then unsupervised", aimed=1.0, then=0.0),
+)
+
+
+def train(row: Row, data: Data, minutes: float) -> None:
+    """Trains one row from nothing, in two halves where it says so."""
+    torch.manual_seed(0)
+    net = DeePSD(Sizes())
+    row.checkpoint.parent.mkdir(parents=True, exist_ok=True)
+    part = row.checkpoint.with_suffix(".part.pt")
+    settings = Settings(minutes, terms=row.terms, aimed=row.aimed)
+    if row.then is None:
+        learn(net, data, settings, part)
+    else:
+        learn(net, data, replace(settings, minutes=minutes / 2), part)
+        learn(net, data, replace(settings, minutes=minutes / 2, aimed=row.then, start=0.5), part)
+    part.rename(row.checkpoint)
+
+
+def figures(row: Row, drapes: Path, artifacts: Path) -> dict[str, list[Figures]]:
+    """Of a trained row on every good drape, by outfit."""
+    net, sizes = DeePSD(Sizes()), Sizes()
+    net.load_state_dict(torch.load(row.checkpoint)["net"])
+    export_all(net, ConcatenatedPsi(sizes), sizes, artifacts)
+    os.environ["TOILE_ARTIFACTS"] = str(artifacts.resolve())
+    found: dict[str, list[Figures]] = {}
+    for folder in folders_in(drapes):
+        for way, _, of_drape in compare(folder, ("deepsd",)):
+            if way == "deepsd, before the resolve":
+                found.setdefault(folder.name, []).append(of_drape)
+    return found
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--minutes", type=float, default=15)
+    p.add_argument("--rows", nargs="*", default=[row.name for row in ROWS])
+    p.add_argument("--drapes", type=Path, default=TEACHER)
+    p.add_argument("--artifacts", type=Path, default=DATA / "ablation_artifacts", help="scratch folder")
+    a = p.parse_args()
+    rows = [row for row in ROWS if row.name in a.rows]
+    if not all(row.checkpoint.exists() for row in rows):
+        train_outfits, bank = OutfitPool(DATA / "outfits" / "train"), BodyBank.for_training()
+        data = Data(train_outfits, bank, TargetPool(DATA / "relaxed", train_outfits, bank), [], BodyBank(1, 1, 2))
+        for row in rows:
+            if not row.checkpoint.exists():
+                train(row, data, a.minutes)
+    shutil.copytree(ARTIFACTS, a.artifacts, dirs_exist_ok=True)
+    for line in table({row.name: figures(row, a.drapes, a.artifacts) for row in rows}):
+        print(line)
+
+
+if __name__ == "__main__":
+    main()
