@@ -16,7 +16,7 @@ const OPPOSED: f32 = 0.5;
 /// of the other, or a bent knee's cap would be one.
 const GROWN_IN: f32 = -0.2;
 /// How far it grows into itself, metres: further apart are the two sides of a knee.
-const DEEPEST: f32 = 0.015;
+const DEEPEST: f32 = 0.022;
 /// Stands for "no surface faces this one".
 pub const NONE: u32 = u32::MAX;
 
