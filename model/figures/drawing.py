@@ -51,9 +51,7 @@ def cell(meshes: list[Drawn], turn: float = 35.0) -> Image.Image:
     return Image.fromarray(image).resize(CELL, Image.Resampling.LANCZOS)
 
 
-def grid(
-    rows: list[list[Image.Image]], columns: list[str] | None = None, names: list[str] | None = None
-) -> Image.Image:
+def grid(rows: list[list[Image.Image]], columns: tuple[str, ...] = (), names: tuple[str, ...] = ()) -> Image.Image:
     """Cells in rows, with titles over the columns and names in the rows' corners."""
     out = Image.new("RGB", (CELL[0] * max(map(len, rows)), CELL[1] * len(rows) + 24), "white")
     draw = ImageDraw.Draw(out)
