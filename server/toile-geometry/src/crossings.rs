@@ -5,7 +5,7 @@ use glam::{UVec3, Vec3};
 /// Cells of a grid at most.
 const CELLS: f32 = 1e6;
 /// Side of a cell over the mean length of the triangles' sides.
-const SIDE: f32 = 1.5;
+const SIDE: f32 = 1.0;
 
 /// What an edge passes through.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,9 +58,13 @@ pub fn passes_through([from, to]: [Vec3; 2], [a, b, c]: [Vec3; 3]) -> bool {
         return false;
     }
     let s = from - a;
+    let x = s.dot(h) / det;
+    if x <= 0.0 || x >= 1.0 {
+        return false;
+    }
     let q = s.cross(u);
-    let (x, y, at) = (s.dot(h) / det, along.dot(q) / det, v.dot(q) / det);
-    x > 0.0 && y > 0.0 && x + y < 1.0 && at > 0.0 && at < 1.0
+    let (y, at) = (along.dot(q) / det, v.dot(q) / det);
+    y > 0.0 && x + y < 1.0 && at > 0.0 && at < 1.0
 }
 
 fn points<const N: usize>(positions: &[Vec3], indices: &[u32; N]) -> Option<[Vec3; N]> {
