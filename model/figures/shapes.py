@@ -74,7 +74,7 @@ def main() -> None:
     tables = heights_and_weights(outfits, a.outfits / "shape.json")
     figure, axes = plt.subplots(1, 5, figsize=(15, 3.2), layout="constrained")
     for axis, table, name in zip(axes, tables, NAMES, strict=False):
-        axis.imshow(table, origin="lower", cmap="OrRd", vmin=0)
+        axis.imshow(table, origin="lower", cmap="OrRd", vmin=0, vmax=2 * table.max())
         for (y, x), value in np.ndenumerate(table):
             axis.text(x, y, f"{value:.3g}", ha="center", va="center", fontsize=8)
         axis.set(title=name, xlabel="weight, slim to heavy", ylabel="height", xticks=[], yticks=[])
