@@ -31,7 +31,9 @@ from outfits.held_out import held_out, write_obj
 from outfits.resolutions import coarser
 from training_data import DATA, random_shape
 
-from .checks import Judged, Limits
+from .checks import Judged, Limits, judge
+from .colliders import touched
+from .weight import pull
 
 if TYPE_CHECKING:
     from .simulation import Cloth
@@ -121,7 +123,6 @@ def simulate(run: Run) -> None:
     if run.path.exists():
         return
     # Its kernels take a minute to compile where nothing needs them.
-    from .checks import judge
     from .simulation import Settings, equilibrium
 
     start = load_file(run.folder / "skinning" / "outfit.safetensors")
@@ -137,9 +138,7 @@ def simulate(run: Run) -> None:
 
 def scene(start: dict[str, NDArray], body: int, pose: int) -> tuple[Cloth, tuple[Floats, NDArray]]:
     """What drapes, and the skin that it drapes on."""
-    from .colliders import touched
     from .simulation import Cloth
-    from .weight import pull
 
     rest, skin, triangles = start["rest"][body], start["skin"][body], start["triangles"].astype(np.int64)
     distance = cKDTree(skin).query(rest)[0]
