@@ -61,7 +61,7 @@ def train(row: Row, data: Data, minutes: float) -> None:
     net = DeePSD(Sizes())
     row.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     part = row.checkpoint.with_suffix(".part.pt")
-    settings = Settings(minutes, terms=row.terms, aimed=row.aimed)
+    settings = Settings(minutes, copied=0.0, terms=row.terms, aimed=row.aimed)
     if row.then is None:
         learn(net, data, settings, part)
     else:

@@ -13,7 +13,7 @@ class Fabric:
     stretch: float = 400.0  # N/m
     stiffening: float = 1.0  # times the stretch stiffness, added beyond `limit`
     limit: float = 0.15  # strain at which woven cloth locks
-    compression: float = 0.35  # share of the stretch stiffness that resists shortening until cloth buckles
+    compression: float = 0.2  # share of the stretch stiffness that resists shortening until cloth buckles
     buckling: float = 0.005  # shortening at which free cloth buckles: from there the force stays the same
     confined: float = 0.1  # the same for cloth on the skin, which has room for short folds only
     room: float = 0.03  # m from the skin over which folds grow long
@@ -24,6 +24,6 @@ class Fabric:
     thickness: float = 0.004  # m, distance kept from the skin
     least: float = 0.0025  # m, distance kept by cloth that rests nearer
     gravity: float = 9.81  # m/s2
-    friction: float = 40.0  # N/m3, resistance to slip where the skin faces up
+    friction: float = 160.0  # N/m3, resistance to slip where the skin faces up
     resting: float = 0.06  # m from the skin within which cloth rests on it
     hang: float = 0.03  # m from the skin over which cloth begins to hang by itself

@@ -144,6 +144,8 @@ class Target:
     entry: int
     poses: Tensor  # (P,)
     x: Tensor  # (P, N, 3) world
+    rest: Tensor  # (N, 3) of the outfit on that body
+    mesh: RestMesh
 
 
 class TargetPool:
@@ -166,7 +168,8 @@ class TargetPool:
             poses = torch.as_tensor(raw["poses"])
             if sample is None or not self._same_bodies(entry, poses, raw["transforms"]):
                 continue
-            self.targets.append(Target(sample, entry, poses, torch.as_tensor(raw["x"])))
+            on_body = carry(sample, self.bank, self.bank.entries[entry])
+            self.targets.append(Target(sample, entry, poses, torch.as_tensor(raw["x"]), *on_body))
 
     def _same_bodies(self, entry: int, poses: Tensor, transforms: np.ndarray) -> bool:
         if entry >= len(self.bank.entries) or int(poses.max()) >= len(self.bank.entries[entry].transforms):

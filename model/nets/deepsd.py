@@ -59,7 +59,8 @@ class Graph:
 def gather_mean(values: Tensor, index: Tensor, weight: Tensor) -> Tensor:
     """Weighted rows: out[i] = sum_k weight[i, k] values[index[i, k]]. values (M, F) -> (N, F)."""
     if torch.is_grad_enabled():
-        return WeightedRows.apply(values, index, weight)
+        with torch.autocast("cpu", enabled=False):  # sparse products have no half precision
+            return WeightedRows.apply(values.float(), index, weight)
     rows = values.index_select(0, index.reshape(-1)).reshape(*index.shape, values.shape[1])
     return torch.bmm(weight.unsqueeze(1), rows).squeeze(1)
 

@@ -98,8 +98,12 @@ def test_training_draws_relaxed_outfits_of_its_own_bodies_only(
     targets = TargetPool(tmp_path, pool, bank)
     assert len(targets.targets) == 1
     data = Data(pool, bank, targets, pool.samples, bank)
-    line = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, aimed=1.0), 0.0)
-    assert line["target"] > 0
+    first = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, copied=0.5, aimed=0.0), 0.0)
+    assert first["target"] > 0 and "stretch" not in first, "a run begins by copying"
+    later = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, copied=0.5, aimed=1.0), 0.5)
+    assert later["target"] > 0 and later["stretch"] > 0 and "hold" not in later
+    free = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, poses=2, copied=0.5, aimed=0.0), 0.5)
+    assert free["hold"] >= 0 and "target" not in free
     net = DeePSD(Sizes())
-    step(net, data, np.random.default_rng(0), Settings(1, aimed=1.0, terms=frozenset({"smooth"})), 0.0)
+    step(net, data, np.random.default_rng(0), Settings(1, copied=0.0, aimed=1.0, terms=frozenset({"smooth"})), 0.0)
     assert net.static.psi[0].weight.grad is None, "the offsets have no part in what counts"
