@@ -180,10 +180,10 @@ evaluate: build $(TEACHER_TOOLS)
 train: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 640 --validation 60 --out data/outfits
 	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m training_data
-	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 9 --seed 2 & \
-		../$(MODEL_VENV)/bin/python -m relax --minutes 9; relaxed=$$?; wait; exit $$relaxed; }
+	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 20 --seed 2 & \
+		../$(MODEL_VENV)/bin/python -m relax --minutes 20; relaxed=$$?; wait; exit $$relaxed; }
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 44 --seed 1 & \
-		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 46; trained=$$?; wait; exit $$trained; }
+		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 7
 
 export: $(MODEL_TOOLS)

@@ -1,4 +1,4 @@
-//! After the dynamic pass: cloth out of the body, and outer garments out of inner ones, smoothly.
+//! After the dynamic pass: edges near their lengths, cloth out of the body, and outer garments out of inner ones, smoothly.
 
 use glam::Vec3;
 use toile_geometry::nearest::descend;
@@ -19,6 +19,8 @@ const FOLD_GAP: f32 = 0.001;
 /// Rounds of smooth pushes; the last ones move single vertices.
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
+/// How often all edges are drawn to their rest lengths at first.
+const SWEEPS: usize = 5;
 /// How long edges may be before single vertices move.
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
@@ -37,7 +39,7 @@ const STILL: f32 = 1e-5;
 /// What the resolve found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resolved {
-    /// Depth of every vertex in the body before, metres; 0 outside.
+    /// Depth of every vertex in the body before it is moved out, metres; 0 outside.
     pub depth_before: Vec<f32>,
     /// Vertices inside the body before.
     pub inside_before: usize,
@@ -45,8 +47,8 @@ pub struct Resolved {
     pub inside_after: usize,
 }
 
-/// Moves world `positions` (welded order) out of the body and the layers below; `lengths` are those of the outfit's
-/// edges at rest on the same body.
+/// Draws the edges of world `positions` (welded order) towards their `lengths` at rest on the same body, then moves them
+/// out of the body and the layers below.
 pub fn resolve(
     outfit: &Outfit,
     statics: &StaticPass,
@@ -54,6 +56,7 @@ pub fn resolve(
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
+    stretch::draw_to_rest(positions, &statics.edges, lengths, SWEEPS);
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
     let depth_before: Vec<f32> = skin.contacts.iter().map(Contact::depth).collect();
