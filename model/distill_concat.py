@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from torch import nn
 
 import optimisers
 from nets.deepsd import ConcatenatedPsi, Sizes, gather_mean, pose_features
@@ -45,7 +46,8 @@ def learn(net: DeePSD, concat: ConcatenatedPsi, samples: list[Sample], bank: Bod
         optimisers.set_rate(tools, RATE * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress))))
         sample, entry = samples[rng.integers(len(samples))], bank.entries[rng.integers(len(bank.entries))]
         poses = torch.as_tensor(rng.choice(len(entry.vertices), 4, replace=False))
-        pose = pose_features(entry.transforms[poses], bank.parents)
+        # The A-pose last: random poses never come near it, and cloth must lie still there.
+        pose = nn.functional.pad(pose_features(entry.transforms[poses], bank.parents), (0, 0, 0, 1))
         descriptors, offsets = target(net, sample, pose, entry.shape)
         rows = torch.as_tensor(rng.choice(len(descriptors), min(1024, len(descriptors)), replace=False))
         got = torch.stack([concat(descriptors[rows], p[None], entry.shape[None]) for p in pose])
