@@ -55,7 +55,7 @@ pub struct Frame {
     pub normals: Vec<Vec3>,
     /// The body.
     pub body: Arc<PosedBody>,
-    /// Metres inside the body before the resolve, 0 outside.
+    /// Metres inside the body before cloth is moved out, 0 outside.
     pub penetration: Vec<f32>,
     /// Mean strain of the edges at each vertex (length over rest length, less 1).
     pub strain: Vec<f32>,
@@ -64,7 +64,7 @@ pub struct Frame {
 /// How good a drape is; the worst frame counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
-    /// Vertices inside the body before the resolve, percent.
+    /// Vertices inside the body before cloth is moved out, percent.
     pub penetration_before_percent: f32,
     /// Vertices inside the body after the resolve, percent.
     pub penetration_after_percent: f32,

@@ -1,4 +1,5 @@
-//! After the dynamic pass: edges near their lengths, cloth out of the body, and outer garments out of inner ones, smoothly.
+//! After the dynamic pass: edges near their lengths, then cloth out of the body and outer garments out of inner ones,
+//! smoothly.
 
 use glam::Vec3;
 use toile_geometry::nearest::descend;
@@ -20,7 +21,7 @@ const FOLD_GAP: f32 = 0.001;
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
 /// How often all edges are drawn to their rest lengths at first.
-const SWEEPS: usize = 5;
+const DRAWN: usize = 5;
 /// How long edges may be before single vertices move.
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
@@ -47,8 +48,8 @@ pub struct Resolved {
     pub inside_after: usize,
 }
 
-/// Draws the edges of world `positions` (welded order) towards their `lengths` at rest on the same body, then moves them
-/// out of the body and the layers below.
+/// Draws the edges of world `positions` (welded order) towards their `lengths` at rest on the same body, then moves
+/// the cloth out of the body and the layers below.
 pub fn resolve(
     outfit: &Outfit,
     statics: &StaticPass,
@@ -56,7 +57,7 @@ pub fn resolve(
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
-    stretch::draw_to_rest(positions, &statics.edges, lengths, SWEEPS);
+    stretch::draw_to_rest(positions, &statics.edges, lengths, DRAWN);
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
     let depth_before: Vec<f32> = skin.contacts.iter().map(Contact::depth).collect();

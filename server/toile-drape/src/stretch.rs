@@ -9,7 +9,6 @@ use glam::{Vec3, Vec3A};
 const SWEEPS: usize = 10;
 /// Share of the limit from which an edge is near it: shortening others may lengthen it.
 const NEAR: f32 = 0.7;
-
 /// How much longer a shortened edge may become at once: cloth crammed into a fold of the body stays there.
 const GROWTH: f32 = 1.05;
 /// Places of the list of edges that are gone through together: edges next to each other share a vertex, and what moves
