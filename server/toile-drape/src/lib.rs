@@ -1,6 +1,7 @@
 //! What Toile does, without HTTP and without a network runtime: outfits, static passes, drapes.
 
 pub mod arm_room;
+pub mod bake;
 pub mod binding;
 pub mod contact;
 pub mod error;

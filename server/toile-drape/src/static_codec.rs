@@ -1,6 +1,7 @@
 //! The stored form of a static pass: named tensors (safetensors), checked on reading.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 use bytemuck::Pod;
 use glam::Vec3;
@@ -13,6 +14,8 @@ use crate::fitted::FittedShapes;
 use crate::graph::{Links, NEIGHBOURS, SUPPORTS};
 use crate::layers::{LAYER_CANDIDATES, LayerContacts};
 use crate::methods::deepsd::BASIS;
+use crate::outfit::Outfit;
+use crate::repair::garment_of_vertex;
 use crate::static_pass::{Rig, StaticPass};
 
 struct Column<'a> {
@@ -54,8 +57,29 @@ impl StaticPass {
     /// # Errors
     /// When the container cannot be written.
     pub fn to_bytes(&self) -> Result<Vec<u8>, DrapeError> {
+        serialized(&self.columns(), None)
+    }
+
+    /// The stored form for others: also the `triangles` (T, 3) of the outfit and the `garment` of each vertex, innermost
+    /// first, uint32.
+    ///
+    /// # Errors
+    /// When the container cannot be written.
+    pub fn to_tensors(
+        &self,
+        outfit: &Outfit,
+        metadata: HashMap<String, String>,
+    ) -> Result<Vec<u8>, DrapeError> {
+        let garment = garment_of_vertex(outfit);
+        let mut columns = self.columns();
+        columns.push(("triangles", indices(outfit.triangles.as_flattened())));
+        columns.push(("garment", indices(&garment)));
+        serialized(&columns, Some(metadata))
+    }
+
+    fn columns(&self) -> Vec<(&'static str, Column<'_>)> {
         let rig = &self.rig;
-        let columns = [
+        vec![
             ("rest", floats(bytemuck::cast_slice(&self.rest))),
             ("clearance", floats(&self.clearance)),
             ("joints", small(rig.joints.as_flattened())),
@@ -75,9 +99,7 @@ impl StaticPass {
             ("layer_inner", indices(&self.layers.inner)),
             ("layer_gap", floats(&self.layers.gap)),
             ("edges", indices(self.edges.as_flattened())),
-        ];
-        let views = columns.iter().map(|(name, column)| (*name, column));
-        safetensors::serialize(views, None).map_err(|e| DrapeError::Stored(e.to_string()))
+        ]
     }
 
     /// Reads the stored form back.
@@ -133,6 +155,14 @@ impl StaticPass {
             Err(DrapeError::Stored("tables do not fit together".to_owned()))
         }
     }
+}
+
+fn serialized(
+    columns: &[(&'static str, Column<'_>)],
+    metadata: Option<HashMap<String, String>>,
+) -> Result<Vec<u8>, DrapeError> {
+    let views = columns.iter().map(|(name, column)| (*name, column));
+    safetensors::serialize(views, metadata).map_err(|e| DrapeError::Stored(e.to_string()))
 }
 
 struct Stored<'a>(SafeTensors<'a>);

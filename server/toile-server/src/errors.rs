@@ -30,6 +30,8 @@ pub enum Code {
     UnknownOutfit,
     DrapeExpired,
     NoThumbnail,
+    NoBake,
+    OutdatedBake,
     NotFound,
     MethodNotAllowed,
     RequestTimeout,
@@ -45,6 +47,7 @@ pub enum Code {
     NoTriangles,
     WrongUnits,
     OffBody,
+    InvalidBake,
     MeasurementOutOfRange,
     MeasurementUnits,
     UnreachableMeasurements,
@@ -88,6 +91,10 @@ impl Code {
             }
             Self::UnknownOutfit => (S::NOT_FOUND, "unknown-outfit", "There is no such outfit"),
             Self::DrapeExpired => (S::NOT_FOUND, "drape-expired", "The drape is no longer kept"),
+            Self::NoBake => (S::NOT_FOUND, "no-bake", "The outfit has no bake"),
+            Self::OutdatedBake => {
+                (S::CONFLICT, "outdated-bake", "The bake is of another outfit or other networks")
+            }
             Self::NoThumbnail => (S::NOT_FOUND, "no-thumbnail", "The outfit has no thumbnail"),
             Self::NotFound => (S::NOT_FOUND, "not-found", "There is nothing at this address"),
             Self::MethodNotAllowed => {
@@ -126,6 +133,7 @@ impl Code {
                 (S::UNPROCESSABLE_ENTITY, "wrong-units", "The outfit has the wrong size for its units")
             }
             Self::OffBody => (S::UNPROCESSABLE_ENTITY, "off-body", "The outfit is not on the body"),
+            Self::InvalidBake => (S::UNPROCESSABLE_ENTITY, "invalid-bake", "The bake cannot be used"),
             Self::MeasurementOutOfRange => {
                 (S::UNPROCESSABLE_ENTITY, "measurement-out-of-range", "A measurement is out of range")
             }

@@ -20,7 +20,7 @@ impl DataDir {
     /// When a folder cannot be created.
     pub fn open(root: &Path) -> io::Result<Self> {
         let data = Self { root: root.to_owned() };
-        for folder in [data.outfits(), data.statics(), data.thumbnails()] {
+        for folder in [data.outfits(), data.statics(), data.bakes(), data.thumbnails()] {
             std::fs::create_dir_all(folder)?;
         }
         Ok(data)
@@ -41,6 +41,11 @@ impl DataDir {
         self.root.join("static")
     }
 
+    /// Folder of bakes.
+    pub fn bakes(&self) -> PathBuf {
+        self.root.join("bakes")
+    }
+
     /// Folder of thumbnails.
     pub fn thumbnails(&self) -> PathBuf {
         self.root.join("thumbnails")
@@ -54,6 +59,11 @@ impl DataDir {
     /// A static pass, by its key.
     pub fn static_pass(&self, key: &str) -> PathBuf {
         self.statics().join(key)
+    }
+
+    /// A bake, by the key of the static pass that it refines.
+    pub fn bake(&self, key: &str) -> PathBuf {
+        self.bakes().join(key)
     }
 
     /// The picture of an outfit.

@@ -2,6 +2,7 @@
 
 mod answers;
 mod assets;
+mod bakes;
 mod cli;
 mod domain_errors;
 mod draping;

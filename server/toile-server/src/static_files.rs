@@ -42,19 +42,15 @@ pub fn save(path: &Path, key: &str, outfit: &Outfit, statics: &StaticPass) {
     }
 }
 
-/// Checksum, length of the outfit, outfit, static pass.
+/// Length of the outfit, outfit, static pass; sealed.
 fn encode(key: &str, outfit: &Outfit, statics: &StaticPass) -> Result<Vec<u8>, String> {
     let outfit = outfit_codec::to_bytes(outfit);
     let statics = statics.to_bytes().map_err(text)?;
-    let content = [&(outfit.len() as u64).to_le_bytes(), outfit.as_slice(), &statics].concat();
-    Ok([checksum(key, &content).as_slice(), &content].concat())
+    Ok(sealed(key, &[&(outfit.len() as u64).to_le_bytes(), outfit.as_slice(), &statics].concat()))
 }
 
 fn decode(bytes: &[u8], key: &str) -> Result<(Outfit, StaticPass), String> {
-    let (sum, content) = bytes.split_at_checked(CHECKSUM_BYTES).ok_or("it is truncated")?;
-    if sum != checksum(key, content) {
-        return Err("its checksum is wrong".to_owned());
-    }
+    let content = unsealed(bytes, key)?;
     let (length, content) = content.split_first_chunk::<LENGTH_BYTES>().ok_or("it is truncated")?;
     let length = usize::try_from(u64::from_le_bytes(*length)).map_err(text)?;
     let (outfit, statics) = content.split_at_checked(length).ok_or("it is truncated")?;
@@ -64,6 +60,20 @@ fn decode(bytes: &[u8], key: &str) -> Result<(Outfit, StaticPass), String> {
         return Err("it is of another outfit".to_owned());
     }
     Ok((outfit, statics))
+}
+
+/// Content after its checksum.
+pub fn sealed(key: &str, content: &[u8]) -> Vec<u8> {
+    [checksum(key, content).as_slice(), content].concat()
+}
+
+/// Content whose checksum is right.
+///
+/// # Errors
+/// Why it is not what was sealed.
+pub fn unsealed<'b>(bytes: &'b [u8], key: &str) -> Result<&'b [u8], String> {
+    let (sum, content) = bytes.split_at_checked(CHECKSUM_BYTES).ok_or("it is truncated")?;
+    if sum == checksum(key, content) { Ok(content) } else { Err("its checksum is wrong".to_owned()) }
 }
 
 /// Over key and content, so that a file under a wrong name does not pass either.

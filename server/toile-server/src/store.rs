@@ -201,7 +201,8 @@ impl Store {
         if done.rows_affected() == 0 {
             return Ok(false);
         }
-        for path in [self.data.outfit(id), self.data.static_pass(static_key), self.data.thumbnail(id)] {
+        let (data, key) = (&self.data, static_key);
+        for path in [data.outfit(id), data.static_pass(key), data.bake(key), data.thumbnail(id)] {
             remove_if_present(&path)?;
         }
         Ok(true)
@@ -217,8 +218,9 @@ impl Store {
         let keys: HashSet<String> = ids.iter().map(|id| key_of(id)).collect();
         let outfits = sweep(&self.data.outfits(), |name| ids.contains(name))?;
         let statics = sweep(&self.data.statics(), |name| keys.contains(name))?;
+        let bakes = sweep(&self.data.bakes(), |name| keys.contains(name))?;
         let is_picture = |name: &str| name.strip_suffix(".png").is_some_and(|id| ids.contains(id));
-        Ok(outfits + statics + sweep(&self.data.thumbnails(), is_picture)?)
+        Ok(outfits + statics + bakes + sweep(&self.data.thumbnails(), is_picture)?)
     }
 
     /// Which outfit a file of the shipped gallery became when it was last loaded.

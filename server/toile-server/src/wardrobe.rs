@@ -1,5 +1,7 @@
 //! Outfits ready to be draped: memory, then disk, then computed, each only once however many ask.
 
+use std::collections::HashMap;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -13,6 +15,7 @@ use toile_geometry::normals::vertex_normals;
 use toile_gltf::{FrameView, OutfitTemplate, Scene, WriteError, write_drape};
 
 use crate::assets::Assets;
+use crate::bakes::{self, BakeReport};
 use crate::errors::{ApiError, Code};
 use crate::server_timing::ServerTiming;
 use crate::static_files;
@@ -29,6 +32,8 @@ pub struct Prepared {
     pub statics: StaticPass,
     /// What all its GLBs have in common.
     pub template: OutfitTemplate,
+    /// What the bake in the static pass buys, if there is one.
+    pub bake: Option<BakeReport>,
 }
 
 impl Prepared {
@@ -39,7 +44,15 @@ impl Prepared {
         for material in &mut outfit.materials {
             (material.base_color_picture, material.normal_picture) = (None, None);
         }
-        Self { outfit, statics, template }
+        Self { outfit, statics, template, bake: None }
+    }
+
+    /// With the bake of a file in the place of the networks' answers, where there is one.
+    fn baked(self, path: &Path, key: &str) -> Self {
+        match bakes::load(path, &self.statics, key) {
+            Some((bake, report)) => Self { statics: self.statics.baked(bake), bake: Some(report), ..self },
+            None => self,
+        }
     }
 
     /// The repaired rest pose on the reference body as a GLB.
@@ -116,6 +129,12 @@ impl Wardrobe {
         static_files::key(id, &self.fingerprint, &self.assets.body_hash)
     }
 
+    /// What an outfit's static pass follows from, for the file that a bake is made of.
+    pub fn provenance(&self, id: &str) -> HashMap<String, String> {
+        let entry = |(name, value): (&str, String)| (name.to_owned(), value);
+        [(bakes::STATIC, self.static_key(id)), (bakes::NETWORKS, self.fingerprint.clone())].map(entry).into()
+    }
+
     /// The outfit of this id, ready to be draped.
     ///
     /// # Errors
@@ -136,15 +155,15 @@ impl Wardrobe {
         let stored = self.stored(id).await?;
         let (assets, data, key) = (Arc::clone(&self.assets), self.store.data().clone(), self.static_key(id));
         let prepare = move |networks: &mut dyn Networks| {
-            let path = data.static_pass(&key);
+            let (path, bake) = (data.static_pass(&key), data.bake(&key));
             if let Some((outfit, statics)) = static_files::load(&path, &key) {
-                return Ok((Prepared::new(outfit, statics), Source::Disk));
+                return Ok((Prepared::new(outfit, statics).baked(&bake, &key), Source::Disk));
             }
             let file = std::fs::read(data.outfit(&stored.outfit.id)).map_err(ApiError::internal)?;
             let (outfit, _) = stored.outfit.upload.read(&file, &assets)?;
             let statics = compute(&outfit, &stored.outfit.upload, &assets, networks)?;
             static_files::save(&path, &key, &outfit, &statics);
-            Ok::<_, ApiError>((Prepared::new(outfit, statics), Source::Computed))
+            Ok::<_, ApiError>((Prepared::new(outfit, statics).baked(&bake, &key), Source::Computed))
         };
         let (prepared, source) = self.workers.run(prepare).await??;
         // It may have been deleted meanwhile.
@@ -219,6 +238,35 @@ impl Wardrobe {
         let (new, prepared, stages) = self.workers.run(prepare).await??;
         *timing = stages;
         Ok((new, prepared))
+    }
+
+    /// Takes in a bake's file; the next drape has it.
+    ///
+    /// # Errors
+    /// `unknown-outfit`, `invalid-bake` or `outdated-bake`; the outfit is then as it was.
+    pub async fn bake(&self, id: &str, file: Bytes) -> Result<BakeReport, ApiError> {
+        let (prepared, _) = self.get(id).await?;
+        let (data, key) = (self.store.data().clone(), self.static_key(id));
+        let keep = move |_: &mut dyn Networks| {
+            let (_, report) = bakes::read(&file, &prepared.statics, &key)?;
+            bakes::save(&data.bake(&key), &key, &file).map_err(ApiError::internal)?;
+            Ok::<_, ApiError>(report)
+        };
+        let report = self.workers.run(keep).await??;
+        self.set_aside(id).await;
+        Ok(report)
+    }
+
+    /// Drops the bake of an outfit. Returns whether there was one.
+    ///
+    /// # Errors
+    /// When its file cannot be removed.
+    pub async fn unbake(&self, id: &str) -> Result<bool, ApiError> {
+        let path = self.store.data().bake(&self.static_key(id));
+        let existed = path.exists();
+        crate::files::remove_if_present(&path).map_err(ApiError::internal)?;
+        self.set_aside(id).await;
+        Ok(existed)
     }
 
     /// Drops an outfit from memory; the next who asks has it from disk.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bad_uploads;
+mod bakes;
 mod bodies;
 mod command_line;
 mod connections;

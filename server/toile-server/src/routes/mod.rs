@@ -1,6 +1,7 @@
 //! HTTP: one file for each resource, thin. What is done here is said in `docs/api.md`.
 
 mod answer;
+mod bakes;
 mod bodies;
 mod drapes;
 mod health;
@@ -25,6 +26,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::cors::{Any as AnyOrigin, CorsLayer};
 use tower_http::timeout::RequestBodyTimeoutLayer;
 
+use crate::bakes::MAX_BAKE_BYTES;
 use crate::errors::{ApiError, Code};
 use crate::lifecycle::{Lifecycle, Phase};
 use crate::request_id::with_request_id;
@@ -66,6 +68,14 @@ pub fn router(app: App, web: Option<&Path>, body_read: Duration) -> Router {
         )
         .route("/v1/outfits/{id}", get(outfits::show).delete(outfits::remove))
         .route("/v1/outfits/{id}/static.glb", get(outfits::rest_pose))
+        .route("/v1/outfits/{id}/static.safetensors", get(bakes::tensors))
+        .route(
+            "/v1/outfits/{id}/bake",
+            get(bakes::show)
+                .put(bakes::put)
+                .delete(bakes::remove)
+                .layer(DefaultBodyLimit::max(MAX_BAKE_BYTES)),
+        )
         .route("/v1/outfits/{id}/thumbnail.png", get(outfits::thumbnail))
         .route("/v1/body", get(bodies::parameters))
         .route("/v1/body/reference.glb", get(bodies::reference))

@@ -42,17 +42,21 @@ struct Links {
     own: String,
     r#static: String,
     thumbnail: Option<String>,
+    bake: Option<String>,
 }
 
 impl OutfitView {
     fn new(app: &App, stored: StoredOutfit) -> Self {
         let outfit = stored.outfit;
         let at = location(&outfit.id);
-        let has_thumbnail = app.service.store.data().thumbnail(&outfit.id).exists();
+        let data = app.service.store.data();
+        let has_thumbnail = data.thumbnail(&outfit.id).exists();
+        let has_bake = data.bake(&app.service.wardrobe.static_key(&outfit.id)).exists();
         Self {
             links: Links {
                 r#static: format!("{at}/static.glb"),
                 thumbnail: has_thumbnail.then(|| format!("{at}/thumbnail.png")),
+                bake: has_bake.then(|| format!("{at}/bake")),
                 own: at,
             },
             id: outfit.id,

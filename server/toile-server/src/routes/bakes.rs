@@ -1,0 +1,64 @@
+//! What `model/bake.py` reads of an outfit, and what it brings back.
+
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::{FromRequest, Path, Request, State};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::response::Response;
+
+use toile_drape::network::Networks;
+
+use super::App;
+use super::answer::{Etag, REVALIDATE};
+use crate::bakes::BakeReport;
+use crate::errors::{ApiError, Code};
+use crate::hash::short_hash;
+use crate::json::body_error;
+
+/// `GET /v1/outfits/{id}/static.safetensors`
+pub async fn tensors(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, ApiError> {
+    let (prepared, _) = app.service.wardrobe.get(&id).await?;
+    let about = app.service.wardrobe.provenance(&id);
+    let write = move |_: &mut dyn Networks| prepared.statics.to_tensors(&prepared.outfit, about);
+    let file = app.service.workers.run(write).await??;
+    let etag = Etag::new(&short_hash([file.as_slice()])).ok_or_else(|| ApiError::internal("entity tag"))?;
+    if etag.is_known(&headers) {
+        return Ok(etag.not_modified(REVALIDATE));
+    }
+    Ok(etag.answer(HeaderValue::from_static("application/octet-stream"), REVALIDATE, file.into()))
+}
+
+/// `GET /v1/outfits/{id}/bake`
+pub async fn show(State(app): State<App>, Path(id): Path<String>) -> Result<Json<BakeReport>, ApiError> {
+    let (prepared, _) = app.service.wardrobe.get(&id).await?;
+    prepared.bake.clone().map(Json).ok_or_else(|| none(&id))
+}
+
+/// `PUT /v1/outfits/{id}/bake`
+pub async fn put(
+    State(app): State<App>,
+    Path(id): Path<String>,
+    request: Request,
+) -> Result<Json<BakeReport>, ApiError> {
+    let busy = |_| ApiError::new(Code::Overloaded, "Too many uploads at once; try again shortly.");
+    let _turn = app.uploads.try_acquire().map_err(busy)?;
+    let file = Bytes::from_request(request, &app).await.map_err(|rejection| {
+        let otherwise = ApiError::new(Code::InvalidBake, "The request body breaks off.");
+        body_error(&rejection, rejection.status(), otherwise)
+    })?;
+    Ok(Json(app.service.wardrobe.bake(&id, file).await?))
+}
+
+/// `DELETE /v1/outfits/{id}/bake`
+pub async fn remove(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, ApiError> {
+    app.service.wardrobe.stored(&id).await?;
+    if app.service.wardrobe.unbake(&id).await? { Ok(StatusCode::NO_CONTENT) } else { Err(none(&id)) }
+}
+
+fn none(id: &str) -> ApiError {
+    ApiError::new(Code::NoBake, format!("The outfit \"{id}\" has no bake; `make bake` makes one."))
+}
