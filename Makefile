@@ -25,7 +25,7 @@ VALIDATOR := tests/validator/node_modules/.installed
 BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
-.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools \
+.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake \
 	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
 help:
@@ -37,6 +37,7 @@ help:
 	@echo "make lint        formatting, lints and type checks"
 	@echo "make bench       how long every stage takes"
 	@echo "make evaluate    the draping's figures, against simulated drapes too"
+	@echo "make bake OUTFIT=id  refine one outfit of a running server, in minutes"
 	@echo "make train       generate outfits and train the networks"
 	@echo "make export      write the trained networks as ONNX"
 	@echo "make thumbnails  draw the pictures of the demo outfits again"
@@ -185,6 +186,11 @@ train: $(MODEL_TOOLS)
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 44 --seed 1 & \
 		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 7
+
+SERVER ?= http://$(LISTEN)
+bake: $(MODEL_TOOLS)
+	@test -n "$(OUTFIT)" || { echo "say which outfit: make bake OUTFIT=id (GET /v1/outfits lists them)" >&2; exit 1; }
+	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m bake "$(OUTFIT)" --server "$(SERVER)"
 
 export: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m export

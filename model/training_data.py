@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,13 +53,12 @@ class Sample:
     held: Tensor  # (H,) vertices of waistbands
 
 
-def prepare(path: Path) -> dict[str, np.ndarray]:
-    """All tables of an outfit file as arrays (see `Sample`)."""
-    raw = np.load(path)
+def prepare(mesh: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """All tables of an outfit as arrays (see `Sample`), from its vertices, triangles and the garment of each vertex."""
     v, t, garment = (
-        raw["vertices"].astype(np.float64),
-        raw["triangles"].astype(np.int64),
-        raw["garment"].astype(np.int64),
+        mesh["vertices"].astype(np.float64),
+        mesh["triangles"].astype(np.int64),
+        mesh["garment"].astype(np.int64),
     )
     fine = refined(v, t)
     graph = ride(build(fine.vertices, fine.triangles, garment[fine.origin]).of_first(len(v)), v, t, garment)
@@ -100,15 +100,19 @@ def load_sample(path: Path) -> Sample:
     kept = path.with_suffix(".prepared.npz")
     if not kept.exists() or kept.stat().st_mtime < path.stat().st_mtime:
         part = path.with_suffix(f".part{os.getpid()}.npz")
-        np.savez(part, **prepare(path))
+        np.savez(part, **prepare(np.load(path)))
         part.rename(kept)
-    raw = np.load(kept)
+    return as_sample(path.stem, np.load(kept))
+
+
+def as_sample(name: str, raw: Mapping[str, np.ndarray]) -> Sample:
+    """Prepared tables as tensors."""
     value = {
         k: torch.as_tensor(raw[k].astype(np.float32) if raw[k].dtype.kind == "f" else raw[k].astype(np.int64))
         for k in raw
     }
     graph = Graph(**{name: value.pop(name) for name in Graph.__dataclass_fields__})
-    return Sample(name=path.stem, tables=topology(raw["triangles"].astype(np.int64)), graph=graph,
+    return Sample(name=name, tables=topology(raw["triangles"].astype(np.int64)), graph=graph,
                   **{k: v for k, v in value.items() if k != "triangles"})  # fmt: skip
 
 
