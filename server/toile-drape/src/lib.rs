@@ -10,6 +10,7 @@ pub mod features;
 pub mod fitted;
 pub mod folds;
 pub mod graph;
+pub mod layer_contact;
 pub mod layers;
 pub mod methods;
 pub mod network;

@@ -2,10 +2,9 @@
 //! smoothly.
 
 use glam::Vec3;
-use toile_geometry::nearest::descend;
-use toile_geometry::normals::vertex_normals;
 
 use crate::contact::{Collider, Contact};
+use crate::layer_contact::LayerContact;
 use crate::outfit::Outfit;
 use crate::push_out::Field;
 use crate::static_pass::StaticPass;
@@ -13,13 +12,13 @@ use crate::stretch::{self, Limit};
 
 /// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
 const SKIN_GAP: f32 = 0.003;
-/// Distance that layers keep, metres, where their rest poses do too.
-const LAYER_GAP: f32 = 0.002;
 /// Distance that cloth keeps from the surface across a fold, metres: both sides may leave no more room.
 const FOLD_GAP: f32 = 0.001;
 /// Rounds of smooth pushes; the last ones move single vertices.
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
+/// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
+const REFRESHED: usize = 4;
 /// How often all edges are drawn to their rest lengths at first.
 const DRAWN: usize = 5;
 /// How long edges may be before single vertices move.
@@ -31,7 +30,7 @@ const COARSE_EDGE: f32 = 0.022;
 /// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
 const TIGHTEST_CURVE: f32 = 0.03;
 /// A lack smaller than this is left alone, metres.
-const TOLERANCE: f32 = 3e-4;
+pub const TOLERANCE: f32 = 3e-4;
 /// Cloth further than this from the body needs no closer look, metres: centroids ask within 5 cm.
 const FAR: f32 = 0.06;
 /// A vertex that moved less than this is not tested again, metres.
@@ -63,13 +62,14 @@ pub fn resolve(
     let depth_before: Vec<f32> = skin.contacts.iter().map(Contact::depth).collect();
     let inside_before = skin.inside();
     let coarse = coarse_triangles(outfit, statics);
+    let mut layers = LayerContact::new(statics, &outfit.triangles);
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
         if round >= SMOOTH_ROUNDS {
             skin.shorten(positions, lengths, STRETCH);
         }
         let mut need = skin.needs();
         add_centroid_needs(&skin, positions, &coarse, &mut need);
-        add_layer_needs(outfit, &skin, positions, &mut need);
+        layers.add_needs(|v| skin.room(v), positions, round % REFRESHED == 0, &mut need);
         if need.iter().all(|n| *n == Vec3::ZERO) {
             break;
         }
@@ -94,17 +94,20 @@ struct SkinContact<'a> {
 
 impl<'a> SkinContact<'a> {
     fn new(statics: &'a StaticPass, body: &'a Collider<'a>, positions: &[Vec3]) -> Self {
-        let mut first: Vec<Option<(Vec3, f32)>> = vec![None; statics.near.len()];
+        let mut first: Vec<Option<(Vec3, Contact)>> = vec![None; statics.near.len()];
         let at = |(v, p): (usize, &Vec3)| {
             let Some(seen) = statics.node_of(v).and_then(|node| first.get_mut(node)) else {
                 return body.contact(*p, statics.candidates_of(v));
             };
-            // No vertex is nearer than an earlier one of its node less the way between them.
-            if let Some(away) = seen.map(|(q, away)| away - p.distance(q)).filter(|away| *away > FAR) {
+            // No vertex is nearer than another one of its node less the way between them.
+            let away = seen.map_or(0.0, |(q, contact)| contact.away - p.distance(q));
+            if away > FAR {
                 return Contact::far(away);
             }
-            let contact = body.contact(*p, statics.candidates_of(v));
-            *seen = Some((*p, contact.away));
+            // What is nearest to the last one is near what is nearest to this one.
+            let from = seen.as_ref().and_then(|(_, contact)| contact.hit.as_ref()).map(std::slice::from_ref);
+            let contact = body.contact(*p, from.unwrap_or_else(|| statics.candidates_of(v)));
+            *seen = Some((*p, contact));
             contact
         };
         Self { statics, body, contacts: positions.iter().enumerate().map(at).collect() }
@@ -180,33 +183,6 @@ fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[&[u3
     }
 }
 
-/// Adds what outer vertices lack to their distance from the inner garment under them, and hems of inner garments to
-/// theirs from the garment over them; a hem gives way where it has room over the skin, otherwise the outer cloth does.
-fn add_layer_needs(outfit: &Outfit, skin: &SkinContact<'_>, positions: &[Vec3], need: &mut [Vec3]) {
-    let statics = skin.statics;
-    if statics.layers.is_empty() {
-        return;
-    }
-    let moved: Vec<Vec3> = positions.iter().zip(&*need).map(|(p, n)| *p + *n).collect();
-    let normals = vertex_normals(&moved, &outfit.triangles);
-    for (v, candidates, gap) in statics.layers.iter() {
-        let Some(point) = moved.get(v).copied() else { continue };
-        let hit = descend(point, &moved, candidates, &statics.ring) as usize;
-        let (Some(other), Some(normal)) = (moved.get(hit), normals.get(hit).copied()) else { continue };
-        let lack = gap.abs().clamp(0.0005, LAYER_GAP) - gap.signum() * (point - *other).dot(normal);
-        if lack <= TOLERANCE {
-            continue;
-        }
-        if gap < 0.0 {
-            let back = lack.min(skin.room(v));
-            need[v] -= normal * back;
-            need[hit] += normal * (lack - back);
-        } else {
-            need[v] += normal * lack;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,6 +192,7 @@ mod tests {
     use crate::test_meshes::{sheet, sheets};
     use toile_geometry::mesh::{Adjacency, edges};
     use toile_geometry::nearest::PointTree;
+    use toile_geometry::normals::vertex_normals;
 
     /// A body surface of 1 cm quads, 20 cm each way around the cloth, at the height `y(x)`, with its edges.
     fn ground(y: impl Fn(f32) -> f32) -> (Vec<Vec3>, Vec<Vec3>, Adjacency) {

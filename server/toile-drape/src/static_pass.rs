@@ -19,9 +19,10 @@ use crate::reference::{Limb, ReferenceBody};
 use crate::refine::Refined;
 use crate::repair::{garment_of_vertex, outfit_ring, repaired};
 use crate::shape::carried_to_reference;
+use crate::stretch::interleaved;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 6;
+pub const STATIC_FORMAT: u32 = 7;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -61,7 +62,7 @@ pub struct StaticPass {
     pub shape: Links,
     /// Outer garments over inner ones.
     pub layers: LayerContacts,
-    /// Edges, each once.
+    /// Edges, each once, in the order of [`interleaved`].
     pub edges: Vec<[u32; 2]>,
     /// Edges as neighbours.
     pub ring: Adjacency,
@@ -119,7 +120,7 @@ impl StaticPass {
             candidates,
             shape,
             layers: layer_contacts(outfit, &rest),
-            edges: edges(&outfit.triangles),
+            edges: interleaved(edges(&outfit.triangles)),
             ring,
             rig,
             vertex_from_node: graph.vertex_from_node,

@@ -24,15 +24,19 @@ pub struct Limit {
     pub rounds: usize,
 }
 
+/// Edges in the order in which [`draw_to_rest`] goes through them fastest.
+#[must_use]
+pub fn interleaved(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    let stride = edges.len().div_ceil(LANES).max(1);
+    (0..stride).flat_map(|first| edges.iter().skip(first).step_by(stride)).copied().collect()
+}
+
 /// Draws every edge to its rest length, metres, one after the other, some times over. What the networks have shortened
 /// or stretched over a few edges gets its length back and buckles as cloth does; what lies farther apart stays.
 pub fn draw_to_rest(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32], sweeps: usize) {
     let mut points: Vec<Vec3A> = positions.iter().copied().map(Vec3A::from).collect();
-    let stride = edges.len().div_ceil(LANES).max(1);
-    let order = (0..stride).flat_map(|first| (first..edges.len()).step_by(stride));
     for _ in 0..sweeps {
-        for edge in order.clone() {
-            let (Some([a, b]), Some(rest)) = (edges.get(edge), lengths.get(edge)) else { continue };
+        for ([a, b], rest) in edges.iter().zip(lengths) {
             let (a, b) = (*a as usize, *b as usize);
             let (Some(&from), Some(&to)) = (points.get(a), points.get(b)) else { continue };
             let between = to - from;
