@@ -1,7 +1,8 @@
 //! Edges drawn towards their rest lengths: those of cloth as it comes from the networks, and those that pushes have
 //! stretched far, where in deep folds neighbours are pushed to opposite sides.
 //!
-//! Projected distance constraints (Müller et al., Position Based Dynamics, 2007, section 3.3).
+//! Projected distance constraints (Müller et al., Position Based Dynamics, 2007, section 3.3; Jakobsen, Advanced Character
+//! Physics, 2001, for the form without a root).
 
 use glam::{Vec3, Vec3A};
 
@@ -11,6 +12,8 @@ const SWEEPS: usize = 10;
 const NEAR: f32 = 0.7;
 /// How much longer a shortened edge may become at once: cloth crammed into a fold of the body stays there.
 const GROWTH: f32 = 1.05;
+/// Of each end's share in it.
+const MOST_GROWTH: f32 = 0.5 - 0.5 * GROWTH;
 /// Places of the list of edges that are gone through together: edges next to each other share a vertex, and what moves
 /// one would wait for what moved the other.
 const LANES: usize = 8;
@@ -40,9 +43,9 @@ pub fn draw_to_rest(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32],
             let (a, b) = (*a as usize, *b as usize);
             let (Some(&from), Some(&to)) = (points.get(a), points.get(b)) else { continue };
             let between = to - from;
-            let length = between.length().max(1e-6);
-            let goal = rest.min(GROWTH * length);
-            let share = between * (0.5 - 0.5 * goal / length);
+            // Jakobsen's first-order form of 0.5 - 0.5 rest / length, without the root.
+            let square = rest * rest;
+            let share = between * (0.5 - square / (square + between.length_squared())).max(MOST_GROWTH);
             points[a] = from + share;
             points[b] = to - share;
         }
