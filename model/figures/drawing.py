@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pyvista
+import trimesh
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
@@ -69,3 +71,16 @@ def by_garment(vertices: Floats, triangles: Ints, garment: Ints, edges: bool = F
     """Every garment in a colour of its own."""
     of = garment[triangles[:, 0]]
     return [Drawn(vertices, triangles[of == g], CLOTH[int(g) % len(CLOTH)], edges=edges) for g in np.unique(garment)]
+
+
+def of_glb(path: Path, edges: bool = False) -> list[Drawn]:
+    """The meshes of one of the service's GLBs: its body, and every garment in a colour of its own."""
+    scene = trimesh.load(path, process=False)
+    meshes, colours = [], iter(CLOTH * 9)
+    for node in sorted(scene.graph.nodes_geometry):
+        transform, geometry = scene.graph[node]
+        mesh = scene.geometry[geometry].copy().apply_transform(transform)
+        of_body = node == "body"
+        colour = SKIN if of_body else next(colours)
+        meshes.append(Drawn(np.asarray(mesh.vertices), mesh.faces, colour, edges=edges and not of_body))
+    return meshes

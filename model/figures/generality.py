@@ -12,7 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import trimesh
 from PIL import Image
 
 from body.anny_body import AnnyBody
@@ -26,7 +25,7 @@ from outfits.resolutions import coarser, four_times
 from outfits.sew import TRIANGULATIONS
 from teacher.drapes import TOILE
 
-from .drawing import CLOTH, SKIN, Drawn, cell, grid
+from .drawing import cell, grid, of_glb
 
 OUT = Path(__file__).parents[2] / "docs" / "pictures"
 POSE = "walk-2"
@@ -62,15 +61,7 @@ def drawn(outfit: OutfitMesh, name: str, scratch: Path, edges: bool) -> Image.Im
     write_obj(outfit, obj)
     command = [TOILE, "drape", "--outfit", obj, "--pose", POSE, "--include", "outfit,body", "-o", glb]
     subprocess.run(command, check=True, capture_output=True)
-    scene = trimesh.load(glb, process=False)
-    meshes, colours = [], iter(CLOTH * 9)
-    for node in scene.graph.nodes_geometry:
-        transform, geometry = scene.graph[node]
-        mesh = scene.geometry[geometry].copy().apply_transform(transform)
-        of_body = node == "body"
-        colour = SKIN if of_body else next(colours)
-        meshes.append(Drawn(np.asarray(mesh.vertices), mesh.faces, colour, edges=edges and not of_body))
-    return cell(meshes)
+    return cell(of_glb(glb, edges))
 
 
 def main() -> None:
