@@ -20,7 +20,7 @@ const EXACT_ROUNDS: usize = 5;
 /// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
 const REFRESHED: usize = 4;
 /// How often all edges are drawn to their rest lengths at first.
-const DRAWN: usize = 5;
+const DRAWN: usize = 6;
 /// How long edges may be before single vertices move.
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
