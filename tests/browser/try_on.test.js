@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
+import { bakeOf } from "./bake.js";
 import { FittingRoom, launch, PATIENCE, PHONE, TOILE_URL } from "./fitting_room.js";
 import { skirtGlb } from "./skirt.js";
 
@@ -154,6 +155,24 @@ test("an uploaded skirt is worn with its mending report, and can be deleted", as
   await room.page.click("#delete-outfit");
   await room.change(() => room.page.getByRole("button", { name: "Delete", exact: true }).click());
   assert.equal(await card.count(), 0);
+});
+
+test("an outfit that was refined says so", async () => {
+  const id = await room.page.locator("[data-outfit]").first().getAttribute("data-outfit");
+  const at = `${TOILE_URL}/v1/outfits/${id}`;
+  assert.equal(await room.page.locator(".card__bake:visible").count(), 0);
+  const file = Buffer.from(await (await fetch(`${at}/static.safetensors`)).arrayBuffer());
+  const answer = await fetch(`${at}/bake`, { method: "PUT", body: bakeOf(file) });
+  assert.equal(answer.status, 200, await answer.text());
+  try {
+    await room.page.reload();
+    await room.settled();
+    assert.equal(await room.page.locator(`[data-outfit="${id}"] .card__bake:visible`).count(), 1);
+    assert.equal(await room.page.locator(".card__bake:visible").count(), 1);
+    await room.screenshot("refined");
+  } finally {
+    await fetch(`${at}/bake`, { method: "DELETE" });
+  }
 });
 
 test("a service that fails is reported, and trying again works", async () => {

@@ -35,7 +35,7 @@ export interface Outfit {
   garments: Garment[];
   methods: string[];
   created_at: string;
-  links: { self: string; static: string; thumbnail: string | null };
+  links: { self: string; static: string; thumbnail: string | null; bake: string | null };
   report?: MendingReport;
 }
 

@@ -19,11 +19,14 @@ export class OutfitCard {
     this.image = make("img", { alt: "", width: 256, height: 320, decoding: "async" });
     const frame = make("span", { className: "card__frame" }, this.image);
     const name = make("span", { className: "card__name", textContent: outfit.name });
+    const title = "Its draping has been refined for this outfit alone";
+    const bake = make("span", { className: "card__bake", textContent: "refined", title, hidden: !outfit.links.bake });
     this.button = make(
       "button",
       { type: "button", className: "card__button", onclick: onChoose, data: { outfit: outfit.id } },
       frame,
       name,
+      bake,
     );
     this.element = make("li", { className: "card card--loading" }, this.button);
     void this.picture();
