@@ -234,11 +234,11 @@ def main() -> None:
     a = p.parse_args()
     service = Service(a.server, a.outfit)
     file = service.ask("GET", "static.safetensors")
-    made_for = metadata(file)
-    if made_for["networks"] != networks_hash(a.artifacts):
+    outfit = load(file)
+    if outfit["networks"].tobytes().decode() != networks_hash(a.artifacts):
         raise SystemExit(f"The server has other networks than {a.artifacts}; name its own with --artifacts.")
-    tensors, report = bake(load(file), a.artifacts, a.steps)
-    service.ask("PUT", "bake", save(tensors, {"static": made_for["static"], "report": json.dumps(report)}))
+    tensors, report = bake(outfit, a.artifacts, a.steps)
+    service.ask("PUT", "bake", save(tensors, metadata(file) | {"report": json.dumps(report)}))
     print(json.dumps(report))
 
 

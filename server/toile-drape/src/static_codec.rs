@@ -61,20 +61,19 @@ impl StaticPass {
     }
 
     /// The stored form for others: also the `triangles` (T, 3) of the outfit and the `garment` of each vertex, innermost
-    /// first, uint32.
+    /// first, uint32, the hash of the `networks` in hexadecimal, uint8, and in the file's metadata as `static` the
+    /// `key` of this static pass.
     ///
     /// # Errors
     /// When the container cannot be written.
-    pub fn to_tensors(
-        &self,
-        outfit: &Outfit,
-        metadata: HashMap<String, String>,
-    ) -> Result<Vec<u8>, DrapeError> {
+    pub fn to_tensors(&self, outfit: &Outfit, key: &str, networks: &str) -> Result<Vec<u8>, DrapeError> {
         let garment = garment_of_vertex(outfit);
         let mut columns = self.columns();
         columns.push(("triangles", indices(outfit.triangles.as_flattened())));
         columns.push(("garment", indices(&garment)));
-        serialized(&columns, Some(metadata))
+        columns.push(("networks", small(networks.as_bytes())));
+        // One entry: several would come in any order.
+        serialized(&columns, Some(HashMap::from([("static".to_owned(), key.to_owned())])))
     }
 
     fn columns(&self) -> Vec<(&'static str, Column<'_>)> {

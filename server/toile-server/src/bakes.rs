@@ -11,12 +11,10 @@ use crate::errors::{ApiError, Code};
 use crate::files::write_atomically;
 use crate::static_files::{sealed, unsealed};
 
-/// Largest bake: that of the largest outfit.
+/// Largest bake: an outfit of 50 000 nodes, many times what a body can wear.
 pub const MAX_BAKE_BYTES: usize = 48 * 1024 * 1024;
-/// Metadata of a file that a bake is made of, and of the bake: the static pass that it refines.
-pub const STATIC: &str = "static";
-/// Metadata of a file that a bake is made of: the networks whose coefficients go with the basis.
-pub const NETWORKS: &str = "networks";
+/// Metadata of a bake: the static pass that it refines.
+const STATIC: &str = "static";
 /// Metadata of a bake: what it buys.
 const REPORT: &str = "report";
 

@@ -1,6 +1,5 @@
 //! Outfits ready to be draped: memory, then disk, then computed, each only once however many ask.
 
-use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -129,12 +128,6 @@ impl Wardrobe {
         static_files::key(id, &self.fingerprint, &self.assets.body_hash)
     }
 
-    /// What an outfit's static pass follows from, for the file that a bake is made of.
-    pub fn provenance(&self, id: &str) -> HashMap<String, String> {
-        let entry = |(name, value): (&str, String)| (name.to_owned(), value);
-        [(bakes::STATIC, self.static_key(id)), (bakes::NETWORKS, self.fingerprint.clone())].map(entry).into()
-    }
-
     /// The outfit of this id, ready to be draped.
     ///
     /// # Errors
@@ -152,23 +145,50 @@ impl Wardrobe {
     }
 
     async fn load(&self, id: &str) -> Result<(Arc<Prepared>, Source), ApiError> {
-        let stored = self.stored(id).await?;
-        let (assets, data, key) = (Arc::clone(&self.assets), self.store.data().clone(), self.static_key(id));
+        let (key, statics) = (self.static_key(id), self.statics(self.stored(id).await?));
+        let bake = self.store.data().bake(&key);
         let prepare = move |networks: &mut dyn Networks| {
-            let (path, bake) = (data.static_pass(&key), data.bake(&key));
-            if let Some((outfit, statics)) = static_files::load(&path, &key) {
-                return Ok((Prepared::new(outfit, statics).baked(&bake, &key), Source::Disk));
-            }
-            let file = std::fs::read(data.outfit(&stored.outfit.id)).map_err(ApiError::internal)?;
-            let (outfit, _) = stored.outfit.upload.read(&file, &assets)?;
-            let statics = compute(&outfit, &stored.outfit.upload, &assets, networks)?;
-            static_files::save(&path, &key, &outfit, &statics);
-            Ok::<_, ApiError>((Prepared::new(outfit, statics).baked(&bake, &key), Source::Computed))
+            let (outfit, statics, source) = statics(networks)?;
+            Ok::<_, ApiError>((Prepared::new(outfit, statics).baked(&bake, &key), source))
         };
         let (prepared, source) = self.workers.run(prepare).await??;
         // It may have been deleted meanwhile.
         self.stored(id).await?;
         Ok((Arc::new(prepared), source))
+    }
+
+    /// What a worker does to get an outfit and what the networks say of it: from disk, or computed and kept there.
+    fn statics(
+        &self,
+        stored: StoredOutfit,
+    ) -> impl FnOnce(&mut dyn Networks) -> Result<(Outfit, StaticPass, Source), ApiError> + use<> {
+        let (assets, data) = (Arc::clone(&self.assets), self.store.data().clone());
+        let key = self.static_key(&stored.outfit.id);
+        move |networks| {
+            let path = data.static_pass(&key);
+            if let Some((outfit, statics)) = static_files::load(&path, &key) {
+                return Ok((outfit, statics, Source::Disk));
+            }
+            let file = std::fs::read(data.outfit(&stored.outfit.id)).map_err(ApiError::internal)?;
+            let (outfit, _) = stored.outfit.upload.read(&file, &assets)?;
+            let statics = compute(&outfit, &stored.outfit.upload, &assets, networks)?;
+            static_files::save(&path, &key, &outfit, &statics);
+            Ok((outfit, statics, Source::Computed))
+        }
+    }
+
+    /// The file that a bake is made of: what the networks say of an outfit, whether it has a bake or not.
+    ///
+    /// # Errors
+    /// `unknown-outfit`, or why it cannot be prepared now.
+    pub async fn tensors(&self, id: &str) -> Result<Vec<u8>, ApiError> {
+        let statics = self.statics(self.stored(id).await?);
+        let (key, networks_hash) = (self.static_key(id), self.fingerprint.clone());
+        let write = move |networks: &mut dyn Networks| {
+            let (outfit, statics, _) = statics(networks)?;
+            statics.to_tensors(&outfit, &key, &networks_hash).map_err(ApiError::from)
+        };
+        self.workers.run(write).await?
     }
 
     /// The row of an outfit.

@@ -52,6 +52,7 @@ fn a_bake_changes_the_next_drape_survives_a_restart_and_can_be_taken_back() {
     let id = server.upload_skirt();
     let at = format!("/v1/outfits/{id}/bake");
     let plain = drape(&server, &id);
+    let networks_say = server.get(&format!("/v1/outfits/{id}/static.safetensors")).with_status(200).bytes;
     server.get(&at).assert_problem(404, "no-bake", None);
     assert_eq!(server.get(&format!("/v1/outfits/{id}")).json()["links"]["bake"], json!(null));
 
@@ -61,6 +62,8 @@ fn a_bake_changes_the_next_drape_survives_a_restart_and_can_be_taken_back() {
     assert_eq!(server.get(&format!("/v1/outfits/{id}")).json()["links"]["bake"], at);
     let baked = drape(&server, &id);
     assert_ne!(baked, plain);
+    let unbaked = server.get(&format!("/v1/outfits/{id}/static.safetensors")).bytes;
+    assert_eq!(unbaked, networks_say, "the next bake starts from the networks again");
     assert_eq!(server.files("bakes").len(), 1);
     drop(server);
 

@@ -6,13 +6,10 @@ use axum::extract::{FromRequest, Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::Response;
 
-use toile_drape::network::Networks;
-
 use super::App;
 use super::answer::{Etag, REVALIDATE};
 use crate::bakes::BakeReport;
 use crate::errors::{ApiError, Code};
-use crate::hash::short_hash;
 use crate::json::body_error;
 
 /// `GET /v1/outfits/{id}/static.safetensors`
@@ -21,14 +18,13 @@ pub async fn tensors(
     Path(id): Path<String>,
     headers: HeaderMap,
 ) -> Result<Response, ApiError> {
-    let (prepared, _) = app.service.wardrobe.get(&id).await?;
-    let about = app.service.wardrobe.provenance(&id);
-    let write = move |_: &mut dyn Networks| prepared.statics.to_tensors(&prepared.outfit, about);
-    let file = app.service.workers.run(write).await??;
-    let etag = Etag::new(&short_hash([file.as_slice()])).ok_or_else(|| ApiError::internal("entity tag"))?;
+    let wardrobe = &app.service.wardrobe;
+    wardrobe.stored(&id).await?;
+    let etag = Etag::new(&wardrobe.static_key(&id)).ok_or_else(|| ApiError::internal("entity tag"))?;
     if etag.is_known(&headers) {
         return Ok(etag.not_modified(REVALIDATE));
     }
+    let file = wardrobe.tensors(&id).await?;
     Ok(etag.answer(HeaderValue::from_static("application/octet-stream"), REVALIDATE, file.into()))
 }
 
