@@ -12,7 +12,9 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -35,8 +37,10 @@ Floats = NDArray[np.float64]
 
 #: Steps of a relaxation and pairs of differences that the metric remembers.
 STEPS, MEMORY = 80, 8
+#: Steps after which what the cloth touches is looked up anew.
+LOOKED_UP = 3
 #: Shares of a pose at which cloth is relaxed on the way there, and steps at each.
-ON_THE_WAY, FEW = (0.25, 0.5, 0.75), 20
+ON_THE_WAY, FEW = (0.25, 0.5, 0.75), 15
 #: m, the longest move of a vertex in one step.
 LONGEST = 0.05
 #: J/m4, stiffness against absolute movement in the first metric.
@@ -44,7 +48,7 @@ ANCHOR = 2000.0
 #: Cosine of a thigh's turn from which a pose bends deeply.
 BENT = 0.6
 #: Vertices of an outfit at most, for the time that it takes.
-LARGEST = 5000
+LARGEST = 2200
 #: m from the skin where cloth counts as hanging.
 FAR = 0.06
 #: Share of an outfit that counts as hanging at least, where outfits are drawn the oftener the more of them hangs.
@@ -70,47 +74,65 @@ def relax(
 ) -> Tensor:
     """Positions of least energy near `start`, (1, N, 3) world, or as far as `steps` go. pose (1,): of the entry's.
 
-    What the cloth touches is looked up once a step: while a step is tried, the energy is smooth.
+    What the cloth touches is looked up every `LOOKED_UP` steps: in between, the energy is smooth.
     """
-
     on = cloth_energy.touching(start, sample, bank, entry, pose)
 
-    def energy(x: Tensor) -> tuple[float, Floats]:
+    def energy(x: Tensor) -> Energy:
         x = x.clone().requires_grad_()
         d = replace(start, posed=x)
         near = cloth_energy.clearances(x, on, sample, entry, pose)
         terms = cloth_energy.terms(d, x - d.skinned, mesh, near, sample)
         # Holding cloth back is for networks that have not learned yet; here friction does it.
-        total = torch.stack([value for name, value in terms.items() if name != "hold"]).sum()
-        (slope,) = torch.autograd.grad(total, x)
-        slope[:, sample.held] = 0
-        return total.item(), slope[0].double().numpy()
+        return Energy(x, torch.stack([value for name, value in terms.items() if name != "hold"]).sum(), sample.held)
 
     solve = splu(metric(mesh, sample.held)).solve
-    x, pairs = start.posed.clone(), []
-    best, lowest = x, np.inf
-    for _ in range(steps):
-        on = cloth_energy.touching(replace(start, posed=x), sample, bank, entry, pose, before=on)
-        value, slope = energy(x)
-        if value < lowest:
-            best, lowest = x, value
-        move = -two_loops(slope, pairs, solve)
-        share, descent = min(1.0, LONGEST / np.abs(move).max()), float((slope * move).sum())
-        for _ in range(10):
-            tried = x + torch.as_tensor(share * move, dtype=x.dtype)[None]
-            tried_value, tried_slope = energy(tried)
-            if tried_value <= value + 1e-4 * share * descent:
-                break
-            share /= 2
-        else:
-            if not pairs:
-                break
-            pairs = []
-            continue
-        pairs = [*pairs, (share * move, tried_slope - slope)][-MEMORY:]
-        pairs = [(s, y) for s, y in pairs if (s * y).sum() > 1e-14]
-        x = tried
+    here, pairs = energy(start.posed), []
+    best, lowest = start.posed, np.inf
+    for k in range(steps + 1):
+        if k % LOOKED_UP == 0 or k == steps:
+            on = cloth_energy.touching(replace(start, posed=here.x.detach()), sample, bank, entry, pose, before=on)
+            here = energy(here.x.detach())
+            if here.value < lowest:
+                best, lowest = here.x.detach(), here.value
+        move = -two_loops(here.slope, pairs, solve)
+        there = search(energy, here, move)
+        if there is None and not pairs:
+            break
+        pairs = [] if there is None else remembered(pairs, here, there)
+        here = there or here
     return best
+
+
+class Energy:
+    """An energy at x (1, N, 3) and, when asked for, its slope (N, 3), zero where cloth is held."""
+
+    def __init__(self, x: Tensor, total: Tensor, held: Tensor) -> None:
+        self.x, self.total, self.held, self.value = x, total, held, total.item()
+
+    @cached_property
+    def slope(self) -> Floats:
+        (slope,) = torch.autograd.grad(self.total, self.x)
+        slope[:, self.held] = 0
+        return slope[0].double().numpy()
+
+
+def search(energy: Callable[[Tensor], Energy], here: Energy, move: Floats) -> Energy | None:
+    """The first of ever shorter steps along a move that lowers the energy enough, if one does."""
+    share, descent = min(1.0, LONGEST / np.abs(move).max()), float((here.slope * move).sum())
+    for _ in range(10):
+        there = energy(here.x.detach() + torch.as_tensor(share * move, dtype=here.x.dtype)[None])
+        if there.value <= here.value + 1e-4 * share * descent:
+            return there
+        share /= 2
+    return None
+
+
+def remembered(pairs: list[tuple[Floats, Floats]], here: Energy, there: Energy) -> list[tuple[Floats, Floats]]:
+    """Differences of places and slopes, the newest last."""
+    moved = (there.x - here.x).detach()[0].double().numpy()
+    pairs = [*pairs, (moved, there.slope - here.slope)][-MEMORY:]
+    return [(s, y) for s, y in pairs if (s * y).sum() > 1e-14]
 
 
 def two_loops(slope: Floats, pairs: list[tuple[Floats, Floats]], solve: object) -> Floats:
