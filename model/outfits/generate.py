@@ -21,12 +21,16 @@ families_validation = tuple(VALIDATION)
 
 
 def generate(
-    seed: int, family: str | None = None, body: ShapedBody | None = None, vertices: int | None = None
+    seed: int,
+    family: str | None = None,
+    body: ShapedBody | None = None,
+    vertices: int | None = None,
+    triangulation: str | None = None,
 ) -> OutfitMesh:
     """Make an outfit on a body (the reference body by default).
 
-    `vertices` is the wanted count per square metre of cloth; without it the seed chooses. The same arguments give
-    the same outfit. Raises KeyError for an unknown family.
+    `vertices` is the wanted count per square metre of cloth, `triangulation` one of `TRIANGULATIONS`; without them
+    the seed chooses. The same arguments give the same outfit. Raises KeyError for an unknown family.
     """
     rng = np.random.default_rng([seed, 7])
     family = family or str(rng.choice(TRAIN_ORDER))
@@ -35,6 +39,8 @@ def generate(
     worn = patterns(rng, family)
     density = vertices or int(np.exp(rng.normal(np.log(1300), 0.45)))
     styles = rng.choice(TRIANGULATIONS, size=len(worn), p=[0.55, 0.15, 0.15, 0.15])
+    if triangulation:
+        styles = [triangulation] * len(worn)
     return OutfitMesh(family, seed, assemble(worn, fields, [(density, str(s)) for s in styles]))
 
 
