@@ -41,12 +41,13 @@ class Schedule:
 
     prior: float = 1.5  # J/m2 per unit of divergence from the body's weights, fades to a fifth by 40 % of the run
     smooth_weights: float = 2.0
-    target: float = 1000.0  # N/m3, distance of cloth from where relaxation puts it, fades to a fifth at the end
-    copied: float = 0.4  # share of the run that only copies relaxed cloth
+    target: float = 1000.0  # N/m3, distance of cloth from where relaxation puts it, while nothing else counts
+    pull: float = 4000.0  # N/m3, the same beside the energies, fades to three fifths at the end
+    copied: float = 0.5  # share of the run that only copies relaxed cloth
     aimed: float = 0.75  # share of the draws after it that have relaxed cloth to aim at
 
     def target_at(self, progress: float) -> float:
-        return self.target * min(1.0, 1 - 2 * (progress - 0.6))
+        return self.target if progress < self.copied else self.pull * min(1.0, 1.6 - progress)
 
     def prior_at(self, progress: float) -> float:
         return self.prior * max(0.2, 1 - 2 * progress)
@@ -161,7 +162,7 @@ def draw(data: Data, rng: np.random.Generator, s: Settings, aimed: float) -> Dra
 
 def step(net: DeePSD, data: Data, rng: np.random.Generator, s: Settings, progress: float) -> dict[str, float]:
     """Gradients of one draw, accumulated. Energies and measures of one step by name."""
-    schedule, copying = Schedule(), progress < s.copied
+    schedule, copying = Schedule(copied=s.copied), progress < s.copied
     it = draw(data, rng, s, 1.0 if copying else s.aimed)
     d = drape(net, it.sample, it.rest, it.entry, it.poses, data.bank.parents)
     terms, measured = of_weights(d, it.sample, schedule, progress), {}
