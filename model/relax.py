@@ -165,7 +165,9 @@ def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -
     return torch.cat([follow(sample, rest, mesh, bank, entry, int(p)) for p in poses])
 
 
-def follow(sample: Sample, rest: Tensor, mesh: RestMesh, bank: BodyBank, entry: ShapedPoses, pose: int) -> Tensor:
+def follow(
+    sample: Sample, rest: Tensor, mesh: RestMesh, bank: BodyBank, entry: ShapedPoses, pose: int, steps: int = STEPS
+) -> Tensor:
     """An outfit (N, 3) relaxed in one pose, (1, N, 3) world, while the body bends there from the A-pose.
 
     Skinned into a deep bend at once it would lie inside the limbs, and the nearest way out is often the wrong one.
@@ -175,7 +177,7 @@ def follow(sample: Sample, rest: Tensor, mesh: RestMesh, bank: BodyBank, entry: 
         there, at = (bent(entry, bank, pose, share), 0) if share < 1 else (entry, pose)
         start, turn = skinned(sample, rest, there, torch.tensor([at])), turns(sample, there, at)
         start = replace(start, posed=start.skinned + (turn @ away[..., None])[None, ..., 0])
-        x = relax(sample, mesh, start, bank, there, torch.tensor([at]), FEW if share < 1 else STEPS)
+        x = relax(sample, mesh, start, bank, there, torch.tensor([at]), FEW if share < 1 else steps)
         away = (turn.transpose(1, 2) @ (x - start.skinned)[0][..., None])[..., 0]
     return x
 

@@ -31,24 +31,32 @@ def ring(vertices: Floats, triangles: Ints) -> tuple[Ints, Floats]:
     return index, weight / weight.sum(1, keepdims=True)
 
 
-def thinned(points: Floats, factor: int, averaged: int) -> Ints:
-    """Which points (M, 3) each of about M / factor thinned ones averages, (M', averaged).
+def spread_out(points: Floats, wanted: int) -> Ints:
+    """About `wanted` of the points (M, 3), evenly spread: the most central one in each cell of a grid.
 
-    Seeds lie as evenly as farthest-point sampling over a shuffled grid gives them: the first point in each cell of a
-    grid whose cells hold `factor` points on average. Any order of the points gives the same seeds.
+    The order of the points does not matter.
     """
-    if len(points) <= averaged:
-        return np.arange(len(points))[:, None].repeat(averaged, 1)
-    cell = _cell_size(points, len(points) / factor)
-    keys = np.floor((points - points.min(0)) / cell).astype(np.int64)
-    centre = points.min(0) + (keys + 0.5) * cell
+    if len(points) <= wanted:
+        return np.arange(len(points))
+    low = points.min(0)
+    cell = _cell_size(points, wanted)
+    keys = np.floor((points - low) / cell).astype(np.int64)
+    centre = low + (keys + 0.5) * cell
     order = np.lexsort((((points - centre) ** 2).sum(1), keys[:, 2], keys[:, 1], keys[:, 0]))
     first = np.ones(len(points), bool)
     first[1:] = (np.diff(keys[order], axis=0) != 0).any(1)
-    return cKDTree(points).query(points[order[first]], averaged)[1].astype(np.int64)
+    return order[first].astype(np.int64)
 
 
-def _cell_size(points: Floats, wanted: float) -> float:
+def thinned(points: Floats, factor: int, averaged: int) -> Ints:
+    """Which points (M, 3) each of about M / factor thinned ones averages, (M', averaged)."""
+    if len(points) <= averaged:
+        return np.arange(len(points))[:, None].repeat(averaged, 1)
+    seeds = spread_out(points, len(points) // factor)
+    return cKDTree(points).query(points[seeds], averaged)[1].astype(np.int64)
+
+
+def _cell_size(points: Floats, wanted: int) -> float:
     """Edge of the grid cells of which about `wanted` hold a point."""
     low, high = 1e-4, float(np.ptp(points, axis=0).max()) + 1e-3
     for _ in range(24):

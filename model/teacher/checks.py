@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,17 @@ class Judged:
             if not getattr(self, name) <= getattr(limits, name):
                 return name
         return None
+
+
+def good(path: Path) -> Floats | None:
+    """Cloth (N, 3) of a drape that is there and has no fault."""
+    return None if not path.exists() or fault(path) else np.load(path)["x"]
+
+
+def fault(path: Path) -> str:
+    """What keeps a drape from being a target, empty for none."""
+    kept = np.load(path)
+    return Judged(*(float(kept[name]) for name in Judged.__dataclass_fields__)).fault(Limits()) or ""
 
 
 def judge(

@@ -23,8 +23,8 @@ from body.anny_body import AnnyBody, vertex_normals
 from garment.graph import mesh_edges
 from garment.rest_mesh import hinges
 
-from .checks import lengths
-from .drapes import TEACHER, Size, draped, faults, folders_in, good, runs
+from .checks import good, lengths
+from .drapes import TEACHER, Size, draped, faults, folders_in, runs
 
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]

@@ -31,7 +31,7 @@ from outfits.held_out import held_out, write_obj
 from outfits.resolutions import coarser
 from training_data import DATA, random_shape
 
-from .checks import Judged, Limits, judge
+from .checks import Limits, fault, judge
 from .colliders import touched
 from .weight import pull
 
@@ -163,17 +163,6 @@ def alone(rest: Floats, garment: NDArray) -> NDArray[np.bool_]:
 def folders_in(out: Path) -> list[Path]:
     """An outfit each."""
     return sorted(f for f in out.iterdir() if (f / "set.json").exists())
-
-
-def good(path: Path) -> Floats | None:
-    """Cloth (N, 3) of a drape that is there and has no fault."""
-    return None if not path.exists() or fault(path) else np.load(path)["x"]
-
-
-def fault(path: Path) -> str:
-    """What keeps a drape from being a target, empty for none."""
-    kept = np.load(path)
-    return Judged(*(float(kept[name]) for name in Judged.__dataclass_fields__)).fault(Limits()) or ""
 
 
 def faults(folders: list[Path]) -> Counter[str]:

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .drapes import TEACHER, faults, folders_in, good
+from .checks import good
+from .drapes import TEACHER, faults, folders_in
 
 OUT = Path(__file__).with_name("evaluation_set.json")
 

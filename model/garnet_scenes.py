@@ -1,0 +1,109 @@
+"""What GarNet sees of the drapes of `garnet_data`: warped garment, body points, tables. World space, metres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+import garnet_losses as losses
+from garment import garnet_tables as tables
+from garment.dual_quaternions import warp
+from garnet_data import GARNET, Split, samples
+from nets.garnet import AVERAGED, POOLED, THINNED, Neighbours
+from relax import influences
+from teacher.checks import good
+from training_data import BodyBank, Sample, carry
+
+#: Points of a body that the network sees, about.
+POINTS = 4096
+#: Sizes of the neighbourhoods whose curvature counts (section 3.5).
+SCALES = (8, 16, 32)
+
+
+@dataclass(frozen=True)
+class Garment:
+    """Tables of one garment; the same in every drape."""
+
+    triangles: Tensor  # (F, 3)
+    two_apart: Tensor  # (E2, 2)
+    around: dict[int, Tensor]  # by size, (N, size)
+    edge: float  # mean length, m
+    ring: Tensor  # (N, K)
+    ring_weight: Tensor
+    points: Tensor  # (M,) vertices of the body that are seen
+    thinned: Tensor  # (M', AVERAGED)
+
+    @classmethod
+    def of(cls, sample: Sample, bank: BodyBank) -> Garment:
+        v, t = sample.vertices.double().numpy(), sample.tables[2].numpy()
+        skin = bank.reference.double().numpy()
+        points = tables.spread_out(skin, POINTS)
+        edges = sample.tables[0]
+        as_tensor = torch.as_tensor
+        ring, weight = tables.ring(v, t)
+        return cls(
+            sample.tables[2], as_tensor(losses.two_edges_apart(t)),
+            {k: as_tensor(losses.neighbourhoods(v, k)) for k in SCALES},
+            float((sample.vertices[edges[:, 0]] - sample.vertices[edges[:, 1]]).norm(dim=1).mean()),
+            as_tensor(ring), as_tensor(weight).float(),
+            as_tensor(points), as_tensor(tables.thinned(skin[points], THINNED, AVERAGED)),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Scenes:
+    """D drapes of one garment, each about the middle of its warped cloth."""
+
+    warped: Tensor  # (D, N, 3)
+    truth: Tensor  # (D, N, 3)
+    body: Tensor  # (D, M, 3)
+    body_normals: Tensor  # (D, M, 3)
+    pooled: Tensor  # (D, N, POOLED)
+
+    def __len__(self) -> int:
+        return len(self.warped)
+
+    def pick(self, rows: Tensor) -> Scenes:
+        return Scenes(*(getattr(self, f.name)[rows] for f in fields(self)))
+
+    def near(self, garment: Garment) -> Neighbours:
+        return Neighbours(garment.ring, garment.ring_weight, garment.thinned, self.pooled.long())
+
+
+def load(kind: str, split: Split, bank: BodyBank, folder: Path = GARNET) -> tuple[Garment, Scenes]:
+    """Every good drape of one garment in a split. Raises FileNotFoundError when there is none."""
+    sample = samples(folder)[kind]
+    garment, rows = Garment.of(sample, bank), []
+    for k, entry in enumerate(bank.entries):
+        kept = {
+            p: x
+            for p in range(split.poses)
+            if (x := good(folder / kind / split.name / f"{k:03d}_{p:02d}.npz")) is not None
+        }
+        if not kept:
+            continue
+        rest = carry(sample, bank, entry)[0].double().numpy()
+        weight, joint = (t.numpy() for t in influences(sample))
+        warped = warp(rest, weight.astype(np.float64), joint, entry.transforms[list(kept)].double().numpy())
+        rows += [
+            _scene(garment, w, x, entry.vertices[p], entry.normals[p])
+            for w, (p, x) in zip(warped, kept.items(), strict=True)
+        ]
+    if not rows:
+        raise FileNotFoundError(f"no drapes of {kind} under {folder}: run `python -m garnet_data` first")
+    return garment, Scenes(*(torch.stack(column) for column in zip(*rows, strict=True)))
+
+
+def _scene(
+    garment: Garment, warped: np.ndarray, truth: np.ndarray, skin: Tensor, normals: Tensor
+) -> tuple[Tensor, ...]:
+    """One row of `Scenes`."""
+    middle = warped.mean(0)
+    body = skin[garment.points].double().numpy()
+    pooled = tables.nearest_thinned(warped, body, garment.thinned.numpy(), POOLED)
+    about = [torch.as_tensor(x - middle, dtype=torch.float32) for x in (warped, truth, body)]
+    return (*about, normals[garment.points], torch.as_tensor(pooled, dtype=torch.int32))

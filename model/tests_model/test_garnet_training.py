@@ -1,0 +1,81 @@
+"""From a garment's drapes to a trained GarNet, tiny."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+import garnet_losses as losses
+from garnet_data import SPLITS, Drape, Split, drapes, make, samples
+from garnet_scenes import Garment, Scenes, load
+from nets.garnet import GarNet, Sizes
+from train_garnet import Settings, curvature, draped, learn
+from training_data import BodyBank
+
+SPLIT = Split("train", 1, 3, 5)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, BodyBank]:
+    """Three drapes of a coarse dress."""
+    out, bank = tmp_path_factory.mktemp("garnet"), SPLIT.bank()
+    garments = samples(out, density=600)
+    for pose in range(3):
+        make(Drape("dress", SPLIT, 0, pose), garments["dress"], bank, out)
+    return out, bank
+
+
+@pytest.fixture(scope="module")
+def scenes(made: tuple[Path, BodyBank]) -> tuple[Garment, Scenes]:
+    return load("dress", SPLIT, made[1], made[0])
+
+
+def test_no_body_is_in_two_sets() -> None:
+    shapes = [
+        e.shape for split in SPLITS for e in Split(split.name, min(split.bodies, 4), 1, split.seed).bank().entries
+    ]
+    unlike = [(a - b).abs().max() > 1e-3 for i, a in enumerate(shapes) for b in shapes[:i]]
+    # The first body of every bank is the reference body.
+    assert sum(not far for far in unlike) == 3
+    assert len({(d.garment, d.split.name, d.body, d.pose) for d in drapes()}) == len(list(drapes()))
+
+
+def test_warped_cloth_is_near_its_drape(scenes: tuple[Garment, Scenes]) -> None:
+    _, s = scenes
+    assert len(s) >= 2
+    far = losses.vertices(s.warped, s.truth).item()
+    assert 0.003 < far < 0.15
+    assert s.warped.mean((0, 1)).abs().max() < 1e-5
+    assert losses.interpenetration(s.truth, s.truth, s.body, s.body_normals, 0.0).item() < 1e-3
+
+
+@pytest.mark.parametrize("curved", ["", "rq", "mc"])
+def test_training_comes_nearer(scenes: tuple[Garment, Scenes], curved: str) -> None:
+    garment, s = scenes
+    torch.manual_seed(0)
+    net = GarNet(Sizes(variant="global", blocks=2))
+    before = losses.vertices(s.warped, s.truth).item()
+    learn(net, garment, s, Settings(minutes=10, batch=2, rate=3e-3, steps=25))
+    with torch.no_grad():
+        after = losses.vertices(draped(net, garment, s), s.truth).item()
+        assert after < 0.8 * before
+        statistic = sum(v.item() for v in curvature(draped(net, garment, s), garment, s, curved).values())
+    if curved:
+        learn(net, garment, s, Settings(minutes=10, batch=2, rate=1e-3, steps=25, curvature=curved))
+        with torch.no_grad():
+            x = draped(net, garment, s)
+        assert sum(v.item() for v in curvature(x, garment, s, curved).values()) < statistic
+        assert losses.vertices(x, s.truth).item() < before
+
+
+def test_a_missing_set_says_what_to_run(made: tuple[Path, BodyBank]) -> None:
+    with pytest.raises(FileNotFoundError, match=r"python -m garnet_data"):
+        load("tee", SPLIT, made[1], made[0])
+
+
+def test_drapes_of_equal_seeds_are_equal(made: tuple[Path, BodyBank], tmp_path: Path) -> None:
+    out, bank = made
+    make(Drape("dress", SPLIT, 0, 1), samples(out)["dress"], bank, tmp_path)
+    one, two = (np.load(Drape("dress", SPLIT, 0, 1).path(folder))["x"] for folder in (out, tmp_path))
+    np.testing.assert_array_equal(one, two)

@@ -1,0 +1,129 @@
+"""Train GarNet++ on one garment (Gundogdu et al. 2020, section 3.5).
+
+    python -m train_garnet tee --variant local --minutes 10
+    python -m train_garnet tee --variant local --minutes 5 --curvature rq    # goes on from the run above
+
+The first form lowers equation 3. The second fine-tunes with curvature terms, by Rayleigh quotients (equation 16) or by
+mean curvature normals (equation 15).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+import garnet_losses as losses
+from garnet_data import GARNET, SPLITS
+from garnet_scenes import SCALES, Garment, Scenes, load
+from nets.garnet import GarNet, Sizes, Variant
+from outfits.hero_garments import PATTERNS
+
+RUNS = Path(__file__).parent / "runs" / "garnet"
+#: Weights of equation 3 (section 3.5).
+NORMALS, PENETRATION, BENDING = 0.3, 1.0, 0.5
+#: What is left of equation 3 in fine-tuning (section 3.5).
+KEPT = 0.1
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run is made of."""
+
+    minutes: float
+    batch: int = 4
+    rate: float = 1e-3
+    steps: int = 10**9  # stop after this many, for smoke runs
+    curvature: str = ""  # fine-tuning by "rq" or "mc"
+    seed: int = 0
+
+
+def draped(net: GarNet, garment: Garment, s: Scenes) -> Tensor:
+    """Equation 1: where skinning puts the cloth, and the network's translations. (D, N, 3)."""
+    return s.warped + net(s.warped, s.body, s.near(garment))
+
+
+def physical(x: Tensor, garment: Garment, s: Scenes) -> dict[str, Tensor]:
+    """Terms of equation 3, weighted."""
+    inside = losses.interpenetration(x, s.truth, s.body, s.body_normals, garment.edge)
+    return {
+        "vertices": losses.vertices(x, s.truth),
+        "penetration": PENETRATION * inside,
+        "normals": NORMALS * losses.normals(x, s.truth, garment.triangles),
+        "bending": BENDING * losses.bending(x, s.truth, garment.two_apart),
+    }
+
+
+def curvature(x: Tensor, garment: Garment, s: Scenes, kind: str) -> dict[str, Tensor]:
+    """Terms that equations 15 and 16 add, not weighted."""
+    if kind == "mc":
+        return {"mc": losses.mean_curvature(x, s.truth, garment.triangles)}
+    return {f"rq{k}": losses.rayleigh_curvature(x, s.truth, garment.around[k]) for k in SCALES if kind == "rq"}
+
+
+def balanced(net: GarNet, garment: Garment, scenes: Scenes, kind: str) -> dict[str, float]:
+    """Weights that make every curvature term as large as what is left of equation 3, as section 3.5 chose them."""
+    with torch.no_grad():
+        some = scenes.pick(torch.linspace(0, len(scenes) - 1, min(16, len(scenes))).long())
+        x = draped(net, garment, some)
+        whole = KEPT * sum(v.item() for v in physical(x, garment, some).values())
+        return {name: whole / max(v.item(), 1e-20) for name, v in curvature(x, garment, some, kind).items()}
+
+
+def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
+    """The training loop: Adam, cosine rate, a log line every hundred steps."""
+    rng, started = np.random.default_rng(s.seed), time.time()
+    tools, count, history = torch.optim.Adam(net.parameters(), s.rate), 0, []
+    weights = balanced(net, garment, scenes, s.curvature) if s.curvature else {}
+    while (progress := (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
+        for group in tools.param_groups:
+            group["lr"] = s.rate * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
+        batch = scenes.pick(torch.as_tensor(rng.integers(len(scenes), size=s.batch)))
+        x = draped(net, garment, batch)
+        terms = {k: (KEPT if s.curvature else 1.0) * v for k, v in physical(x, garment, batch).items()}
+        terms |= {k: weights[k] * v for k, v in curvature(x, garment, batch, s.curvature).items()}
+        torch.stack(list(terms.values())).sum().backward()
+        nn.utils.clip_grad_norm_(net.parameters(), 1.0)
+        tools.step()
+        tools.zero_grad()
+        count += 1
+        history.append({k: v.item() for k, v in terms.items()})
+        if count % 100 == 0:
+            mean = {k: round(float(np.mean([h[k] for h in history])), 6) for k in history[0]}
+            print(json.dumps({"step": count, "progress": round(progress, 3), **mean}), flush=True)
+            history.clear()
+
+
+def checkpoint(garment: str, variant: Variant, curved: str = "") -> Path:
+    """Where a run's weights lie."""
+    return RUNS / f"{'_'.join(filter(None, (garment, variant, curved)))}.pt"
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("garment", choices=list(PATTERNS))
+    p.add_argument("--variant", choices=["naive", "global", "local"], default="local")
+    p.add_argument("--curvature", choices=["", "rq", "mc"], default="")
+    p.add_argument("--minutes", type=float, default=10)
+    p.add_argument("--drapes", type=Path, default=GARNET)
+    a = p.parse_args()
+    torch.manual_seed(0)
+    train = SPLITS[0]
+    garment, scenes = load(a.garment, train, train.bank(), a.drapes)
+    print(f"{len(scenes)} drapes of {scenes.warped.shape[1]} vertices", flush=True)
+    net = GarNet(Sizes(variant=a.variant))
+    if a.curvature:
+        net.load_state_dict(torch.load(checkpoint(a.garment, a.variant)))
+    learn(net, garment, scenes, Settings(a.minutes, curvature=a.curvature, rate=3e-4 if a.curvature else 1e-3))
+    RUNS.mkdir(parents=True, exist_ok=True)
+    torch.save(net.state_dict(), checkpoint(a.garment, a.variant, a.curvature))
+
+
+if __name__ == "__main__":
+    main()
