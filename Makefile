@@ -25,7 +25,7 @@ VALIDATOR := tests/validator/node_modules/.installed
 BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
-.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake \
+.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake train-garnet evaluate-garnet \
 	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
 help:
@@ -39,6 +39,8 @@ help:
 	@echo "make evaluate    the draping's figures, against simulated drapes too"
 	@echo "make bake OUTFIT=id  refine one outfit of a running server, in minutes"
 	@echo "make train       generate outfits and train the networks"
+	@echo "make train-garnet  make GarNet's drapes and train it on them, in hours"
+	@echo "make evaluate-garnet  GarNet's tables, of what has been trained"
 	@echo "make export      write the trained networks as ONNX"
 	@echo "make thumbnails  draw the pictures of the demo outfits again"
 	@echo "make pictures    draw the README's pictures again"
@@ -186,6 +188,18 @@ train: $(MODEL_TOOLS)
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 44 --seed 1 & \
 		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 7
+
+GARMENTS := tee sweater dress jeans
+train-garnet: $(MODEL_TOOLS)
+	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m garnet_data --part 0 --parts 2 & \
+		../$(MODEL_VENV)/bin/python -m garnet_data --part 1 --parts 2; made=$$?; wait; exit $$made; }
+	cd model && for garment in $(GARMENTS); do for variant in naive global local; do \
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --variant $$variant; done; \
+		for curvature in rq mc; do \
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --curvature $$curvature --minutes 5; done; done
+
+evaluate-garnet: $(MODEL_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_garnet
 
 SERVER ?= http://$(LISTEN)
 bake: $(MODEL_TOOLS)

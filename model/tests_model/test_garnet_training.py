@@ -7,6 +7,7 @@ import pytest
 import torch
 
 import garnet_losses as losses
+from evaluate_garnet import measured, row
 from garnet_data import SPLITS, Drape, Split, drapes, make, samples
 from garnet_scenes import Garment, Scenes, load
 from nets.garnet import GarNet, Sizes
@@ -79,3 +80,15 @@ def test_drapes_of_equal_seeds_are_equal(made: tuple[Path, BodyBank], tmp_path: 
     make(Drape("dress", SPLIT, 0, 1), samples(out)["dress"], bank, tmp_path)
     one, two = (np.load(Drape("dress", SPLIT, 0, 1).path(folder))["x"] for folder in (out, tmp_path))
     np.testing.assert_array_equal(one, two)
+
+
+def test_the_table_tells_better_from_worse(scenes: tuple[Garment, Scenes]) -> None:
+    garment, s = scenes
+    halfway = list(measured(lambda _, one: (one.warped + one.truth) / 2, garment, s))
+    warped, perfect = (list(measured(way, garment, s)) for way in (lambda _, one: one.warped, lambda _, one: one.truth))
+    for far, near, none in zip(warped, halfway, perfect, strict=True):
+        assert near.distance == pytest.approx(far.distance / 2, rel=1e-3)
+        assert far.angle > near.angle > none.angle
+        assert none.distance == none.rayleigh == none.mean_curvature == 0
+        assert none.inside < 2
+    assert row("truth", perfect).startswith("| truth | 0.00 ± 0.00 | 0.0 ± 0.0 |")
