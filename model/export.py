@@ -184,11 +184,17 @@ def manifest(method: str, graphs: list[tuple[GraphSpec, Path]]) -> dict:
     }
 
 
+def export_method(method: str, graphs: list[GraphSpec], out: Path) -> None:
+    """Graphs of one way to drape, and their manifest."""
+    written = [(spec, export_graph(spec, out / method)) for spec in graphs]
+    (out / method / "manifest.json").write_text(json.dumps(manifest(method, written), indent=1) + "\n")
+
+
 def export_all(net: DeePSD, concat: ConcatenatedPsi, sizes: Sizes, out: Path) -> None:
-    written = [(spec, export_graph(spec, out / spec.method)) for spec in specs(net, concat, sizes)]
-    for method in sorted({spec.method for spec, _ in written}):
-        mine = [(spec, path) for spec, path in written if spec.method == method]
-        (out / method / "manifest.json").write_text(json.dumps(manifest(method, mine), indent=1) + "\n")
+    """Both forms of DeePSD."""
+    graphs = specs(net, concat, sizes)
+    for method in sorted({spec.method for spec in graphs}):
+        export_method(method, [spec for spec in graphs if spec.method == method], out)
 
 
 def main() -> None:

@@ -198,5 +198,5 @@ class GarNet(nn.Module):
 def pooled(points: Tensor, near: Neighbours) -> Tensor:
     """Largest features among the body points around each garment vertex, (P, N, point) (Figure 5)."""
     thin = points[:, near.thinned].mean(2)
-    drapes = torch.arange(len(thin))[:, None, None]
+    drapes = torch.arange(thin.shape[0])[:, None, None]
     return thin[drapes, near.pooled].amax(2)

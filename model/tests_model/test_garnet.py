@@ -1,12 +1,16 @@
-"""What GarNet promises by construction, for each variant, and that it learns."""
+"""What GarNet promises by construction, for each variant, that it learns, and that its graph answers alike."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
 import garnet_losses as losses
+from export import export_method
+from export_garnet import spec
 from garment import garnet_tables as tables
 from nets.garnet import AVERAGED, POOLED, THINNED, GarNet, Neighbours, Sizes, Variant
 
@@ -112,3 +116,11 @@ def test_it_learns_a_drape(scene: tuple, variant: Variant) -> None:
         tools.step()
         last = losses.vertices(x, truth).item()
     assert last < 0.5 * first
+
+
+def test_its_graph_takes_any_garment_and_body(tmp_path: Path) -> None:
+    """`export_graph` compares it with PyTorch on inputs of two sizes, neither that of the trace."""
+    export_method("garnet", [spec("tee", awake("local"))], tmp_path)
+    written = json.loads((tmp_path / "garnet" / "manifest.json").read_text())
+    assert [g["name"] for g in written["graphs"]] == ["tee"]
+    assert (tmp_path / "garnet" / "tee.onnx").stat().st_size < 2_000_000
