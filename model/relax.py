@@ -95,6 +95,8 @@ def relax(
             here = energy(here.x.detach())
             if here.value < lowest:
                 best, lowest = here.x.detach(), here.value
+            if k == steps:
+                break
         move = -two_loops(here.slope, pairs, solve)
         there = search(energy, here, move)
         if there is None and not pairs:
