@@ -25,7 +25,8 @@ VALIDATOR := tests/validator/node_modules/.installed
 BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
-.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake train-garnet evaluate-garnet \
+.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake \
+	train-garnet evaluate-garnet \
 	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
 help:

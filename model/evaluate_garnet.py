@@ -21,7 +21,7 @@ import garnet_losses as losses
 from garnet_data import GARNET, SPLITS
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
-from outfits.hero_garments import PATTERNS
+from outfits.garnet_garments import PATTERNS
 from train_garnet import checkpoint, draped
 
 #: Name, variant and fine-tuning of each row.
@@ -56,17 +56,11 @@ def figures(x: Tensor, garment: Garment, s: Scenes, milliseconds: float) -> Figu
     return Figures(
         100 * losses.vertices(x, s.truth).item(),
         losses.normal_angle(x, s.truth, garment.triangles).item(),
-        100 * behind(x, s).float().mean().item(),
+        100 * (losses.clearance(x, s.body, s.body_normals) < 0).float().mean().item(),
         1e12 * rayleigh,
         losses.mean_curvature(x, s.truth, garment.triangles).item(),
         milliseconds,
     )
-
-
-def behind(x: Tensor, s: Scenes) -> Tensor:
-    """Which vertices lie behind the nearest body point, (P, N)."""
-    near = torch.cdist(x, s.body).argmin(-1)[..., None].expand(-1, -1, 3)
-    return ((x - s.body.gather(1, near)) * s.body_normals.gather(1, near)).sum(-1) < 0
 
 
 def network(garment: str, variant: Variant | None, curved: str) -> Callable[[Garment, Scenes], Tensor] | None:

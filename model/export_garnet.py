@@ -15,7 +15,7 @@ from torch import Tensor, nn
 from export import ARTIFACTS, GraphSpec, Port, export_method
 from garment.garnet_tables import RING
 from nets.garnet import AVERAGED, POOLED, GarNet, Neighbours, Sizes
-from outfits.hero_garments import PATTERNS
+from outfits.garnet_garments import PATTERNS
 from train_garnet import checkpoint
 
 

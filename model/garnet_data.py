@@ -21,7 +21,7 @@ import torch
 from torch import Tensor
 
 from outfits.dataset import save
-from outfits.hero_garments import DENSITY, PATTERNS, hero_garment
+from outfits.garnet_garments import DENSITY, PATTERNS, garnet_garment
 from relax import follow
 from teacher.checks import Judged, Limits, judge
 from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_sample
@@ -43,9 +43,14 @@ class Split:
     def bank(self) -> BodyBank:
         return BodyBank(self.bodies, self.poses, self.seed)
 
+    @property
+    def worn(self) -> range:
+        """Bodies that are dressed: the first of every bank is the reference body, which is for training only."""
+        return range(0 if self.name == "train" else 1, self.bodies)
+
 
 #: No body is in two of them.
-SPLITS = (Split("train", 80, 16, 7_001), Split("validation", 4, 8, 7_002), Split("test", 16, 8, 7_003))
+SPLITS = (Split("train", 80, 16, 7_001), Split("validation", 5, 8, 7_002), Split("test", 17, 8, 7_003))
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,7 @@ def drapes(splits: tuple[Split, ...] = SPLITS) -> Iterator[Drape]:
     for pose in range(max(s.poses for s in splits)):
         for split in splits:
             if pose < split.poses:
-                for body, garment in itertools.product(range(split.bodies), PATTERNS):
+                for body, garment in itertools.product(split.worn, PATTERNS):
                     yield Drape(garment, split, body, pose)
 
 
@@ -94,7 +99,7 @@ def samples(out: Path, density: int = DENSITY) -> dict[str, Sample]:
     out.mkdir(parents=True, exist_ok=True)
     for kind in PATTERNS:
         if not (out / f"{kind}.npz").exists():
-            save(hero_garment(kind, density), out / f"{kind}.npz")
+            save(garnet_garment(kind, density), out / f"{kind}.npz")
     return {kind: load_sample(out / f"{kind}.npz") for kind in PATTERNS}
 
 

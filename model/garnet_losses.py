@@ -13,6 +13,8 @@ from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 from torch import Tensor
 
+import energies
+
 Ints = NDArray[np.int64]
 
 #: m, distance from its simulated place within which a vertex is asked to be outside the body (section 3.5).
@@ -34,11 +36,14 @@ def interpenetration(x: Tensor, truth: Tensor, body: Tensor, body_normals: Tenso
     body, body_normals (P, M, 3); edge: mean edge length of the garment, metres. Vertices farther than `TOLERANCE` from
     their simulated place do not count: early in training the constraint would be spurious.
     """
-    near = torch.cdist(x.detach(), body).argmin(-1)[..., None].expand(-1, -1, 3)
-    normal = body_normals.gather(1, near)
-    point = body.gather(1, near) + EXTENSION * edge * normal
-    depth = (-((x - point) * normal).sum(-1)).clamp(min=0)
+    depth = (EXTENSION * edge - clearance(x, body, body_normals)).clamp(min=0)
     return (depth * ((x - truth).detach().norm(dim=-1) < TOLERANCE)).mean()
+
+
+def clearance(x: Tensor, body: Tensor, body_normals: Tensor) -> Tensor:
+    """Signed distance of each vertex to the plane of the nearest body point, (P, N), metres."""
+    near = torch.cdist(x.detach(), body).argmin(-1)[..., None].expand(-1, -1, 3)
+    return energies.clearance(x, body.gather(1, near), body_normals.gather(1, near))
 
 
 def face_normals(x: Tensor, triangles: Tensor) -> Tensor:

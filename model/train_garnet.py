@@ -23,7 +23,7 @@ import garnet_losses as losses
 from garnet_data import GARNET, SPLITS
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
-from outfits.hero_garments import PATTERNS
+from outfits.garnet_garments import PATTERNS
 
 RUNS = Path(__file__).parent / "runs" / "garnet"
 #: Weights of equation 3 (section 3.5).

@@ -30,7 +30,7 @@ LENGTH_UNIT, OFFSET_UNIT = 0.25, 0.03
 
 @dataclass(frozen=True)
 class Sizes:
-    """Widths of the network; the paper's are 64, 512, (512, 256, 128), 1024 and 256."""
+    """Widths of the network; the paper's whole is 512, PointNet's others 64, (512, 256, 128), 1024 and 256."""
 
     variant: Variant = "local"
     point: int = 32  # features of a point and of a patch

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ COARSE_SHARE, COARSE = 0.6, 650
 def save(outfit: OutfitMesh, path: Path) -> None:
     """Write one outfit; the file appears complete or not at all."""
     offsets = np.cumsum([0] + [len(g.vertices) for g in outfit.garments])
-    scratch = path.with_suffix(".partial.npz")
+    scratch = path.with_suffix(f".partial{os.getpid()}.npz")
     np.savez_compressed(
         scratch,
         vertices=np.concatenate([g.vertices for g in outfit.garments]).astype(np.float32),

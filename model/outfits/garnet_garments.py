@@ -30,7 +30,7 @@ PATTERNS: dict[str, Pattern] = {
 DENSITY = 1400
 
 
-def hero_garment(kind: str, density: int = DENSITY) -> OutfitMesh:
+def garnet_garment(kind: str, density: int = DENSITY) -> OutfitMesh:
     """A garment of `PATTERNS` on the reference body. Raises KeyError for another kind."""
     model = AnnyBody.load()
     worn = assemble([PATTERNS[kind]], body_fields(model, model.shape()), [(density, "isotropic")])
