@@ -1,7 +1,7 @@
 """Write the trained GarNets, local variant, as ONNX, checked against PyTorch: `python -m export_garnet`.
 
 One graph a garment under artifacts/garnet, and a manifest. Gathers are padded tables, so that the graphs take any
-number of vertices and body points.
+number of nodes and body points.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ class ExportedGarNet(nn.Module):
 def spec(kind: str, net: GarNet) -> GraphSpec:
     """The graph of one garment, local variant; positions are less the middle of the warped garment."""
     inputs = [
-        Port("garment", ("vertices", 3), "m", "world"),
+        Port("garment", ("nodes", 3), "m", "world"),
         Port("body", ("points", 3), "m", "world"),
-        Port("ring", ("vertices", RING), "index", dtype="int64"),
-        Port("ring_weight", ("vertices", RING), "1"),
+        Port("ring", ("nodes", RING), "index", dtype="int64"),
+        Port("ring_weight", ("nodes", RING), "1"),
         Port("thinned", ("thinned", AVERAGED), "index", dtype="int64"),
-        Port("pooled", ("vertices", POOLED), "index", dtype="int64"),
+        Port("pooled", ("nodes", POOLED), "index", dtype="int64"),
     ]
-    return GraphSpec("garnet", kind, ExportedGarNet(net), inputs, [Port("translations", ("vertices", 3), "m", "world")])
+    return GraphSpec("garnet", kind, ExportedGarNet(net), inputs, [Port("translations", ("nodes", 3), "m", "world")])
 
 
 def main() -> None:

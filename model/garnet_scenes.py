@@ -12,7 +12,10 @@ from torch import Tensor
 import garnet_losses as losses
 from garment import garnet_tables as tables
 from garment.dual_quaternions import warp
+from garment.graph import build
+from garment.refine import refined
 from garnet_data import GARNET, Split, samples
+from nets.deepsd import top_four
 from nets.garnet import AVERAGED, POOLED, THINNED, Neighbours
 from relax import influences
 from teacher.checks import good
@@ -32,10 +35,13 @@ class Garment:
     two_apart: Tensor  # (E2, 2)
     around: dict[int, Tensor]  # by size, (N, size)
     edge: float  # mean length, m
-    ring: Tensor  # (N, K)
+    nodes: Tensor  # (M, 3) of the canonical graph, on the reference body
+    support: Tensor  # (N, SUPPORTS) nodes that each vertex is interpolated from
+    support_weight: Tensor
+    ring: Tensor  # (M, RING)
     ring_weight: Tensor
-    points: Tensor  # (M,) vertices of the body that are seen
-    thinned: Tensor  # (M', AVERAGED)
+    points: Tensor  # (B,) vertices of the body that are seen
+    thinned: Tensor  # (B', AVERAGED)
 
     @classmethod
     def of(cls, sample: Sample, bank: BodyBank) -> Garment:
@@ -44,11 +50,14 @@ class Garment:
         points = tables.spread_out(skin, POINTS)
         edges = sample.tables[0]
         as_tensor = torch.as_tensor
-        ring, weight = tables.ring(v, t)
+        fine = refined(v, t)
+        graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
+        ring, weight = tables.ring(sample.graph.near.numpy(), sample.graph.near_weight.numpy())
         return cls(
             sample.tables[2], as_tensor(losses.two_edges_apart(t)),
             {k: as_tensor(losses.neighbourhoods(v, k)) for k in SCALES},
             float((sample.vertices[edges[:, 0]] - sample.vertices[edges[:, 1]]).norm(dim=1).mean()),
+            as_tensor(graph.nodes.positions).float(), sample.vertex_from_node, sample.vertex_from_node_weight,
             as_tensor(ring), as_tensor(weight).float(),
             as_tensor(points), as_tensor(tables.thinned(skin[points], THINNED, AVERAGED)),
         )  # fmt: skip
@@ -56,19 +65,26 @@ class Garment:
 
 @dataclass(frozen=True)
 class Scenes:
-    """D drapes of one garment, each about the middle of its warped cloth."""
+    """D drapes of one garment, each about the middle of its warped nodes."""
 
+    nodes: Tensor  # (D, M, 3) warped
     warped: Tensor  # (D, N, 3)
     truth: Tensor  # (D, N, 3)
-    body: Tensor  # (D, M, 3)
-    body_normals: Tensor  # (D, M, 3)
-    pooled: Tensor  # (D, N, POOLED)
+    body: Tensor  # (D, B, 3)
+    body_normals: Tensor  # (D, B, 3)
+    pooled: Tensor  # (D, M, POOLED)
 
     def __len__(self) -> int:
         return len(self.warped)
 
     def pick(self, rows: Tensor) -> Scenes:
         return Scenes(*(getattr(self, f.name)[rows] for f in fields(self)))
+
+    def mirrored(self) -> Scenes:
+        """Left and right exchanged, which neither cloth nor gravity notices."""
+        flip = torch.tensor([-1.0, 1, 1])
+        turned = (flip * x for x in (self.nodes, self.warped, self.truth, self.body, self.body_normals))
+        return Scenes(*turned, self.pooled)
 
     def near(self, garment: Garment) -> Neighbours:
         return Neighbours(garment.ring, garment.ring_weight, garment.thinned, self.pooled.long())
@@ -87,23 +103,38 @@ def load(kind: str, split: Split, bank: BodyBank, folder: Path = GARNET) -> tupl
         if not kept:
             continue
         rest = carry(sample, bank, entry)[0].double().numpy()
-        weight, joint = (t.numpy() for t in influences(sample))
-        warped = warp(rest, weight.astype(np.float64), joint, entry.transforms[list(kept)].double().numpy())
+        transforms = entry.transforms[list(kept)].double().numpy()
+        nodes, warped = warped_on(sample, garment, rest, transforms)
         rows += [
-            _scene(garment, w, x, entry.vertices[p], entry.normals[p])
-            for w, (p, x) in zip(warped, kept.items(), strict=True)
+            _scene(garment, n, w, x, entry.vertices[p], entry.normals[p])
+            for n, w, (p, x) in zip(nodes, warped, kept.items(), strict=True)
         ]
     if not rows:
         raise FileNotFoundError(f"no drapes of {kind} under {folder}: run `python -m garnet_data` first")
     return garment, Scenes(*(torch.stack(column) for column in zip(*rows, strict=True)))
 
 
+def warped_on(
+    sample: Sample, garment: Garment, rest: np.ndarray, transforms: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (P, M, 3) and vertices (P, N, 3) where dual-quaternion skinning by the body's weights puts them.
+
+    rest (N, 3): vertices on that body. transforms (P, J, 3, 4).
+    """
+    support = garment.support.numpy(), garment.support_weight.double().numpy()
+    reference, drawn = garment.nodes.double().numpy(), sample.vertices.double().numpy()
+    nodes = tables.nodes_on_body(reference, drawn, rest, *support)
+    parts = (nodes, top_four(sample.prior)), (rest, influences(sample))
+    one, two = (warp(x, w.double().numpy(), joint.numpy(), transforms) for x, (w, joint) in parts)
+    return one, two
+
+
 def _scene(
-    garment: Garment, warped: np.ndarray, truth: np.ndarray, skin: Tensor, normals: Tensor
+    garment: Garment, nodes: np.ndarray, warped: np.ndarray, truth: np.ndarray, skin: Tensor, normals: Tensor
 ) -> tuple[Tensor, ...]:
     """One row of `Scenes`."""
-    middle = warped.mean(0)
+    middle = nodes.mean(0)
     body = skin[garment.points].double().numpy()
-    pooled = tables.nearest_thinned(warped, body, garment.thinned.numpy(), POOLED)
-    about = [torch.as_tensor(x - middle, dtype=torch.float32) for x in (warped, truth, body)]
+    pooled = tables.nearest_thinned(nodes, body, garment.thinned.numpy(), POOLED)
+    about = [torch.as_tensor(x - middle, dtype=torch.float32) for x in (nodes, warped, truth, body)]
     return (*about, normals[garment.points], torch.as_tensor(pooled, dtype=torch.int32))

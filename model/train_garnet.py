@@ -45,8 +45,9 @@ class Settings:
 
 
 def draped(net: GarNet, garment: Garment, s: Scenes) -> Tensor:
-    """Equation 1: where skinning puts the cloth, and the network's translations. (D, N, 3)."""
-    return s.warped + net(s.warped, s.body, s.near(garment))
+    """Equation 1: where skinning puts the cloth, and the network's translations, read at the vertices. (D, N, 3)."""
+    translations = net(s.nodes, s.body, s.near(garment))
+    return s.warped + (garment.support_weight[..., None] * translations[:, garment.support]).sum(2)
 
 
 def physical(x: Tensor, garment: Garment, s: Scenes) -> dict[str, Tensor]:
@@ -85,6 +86,7 @@ def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
         for group in tools.param_groups:
             group["lr"] = s.rate * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
         batch = scenes.pick(torch.as_tensor(rng.integers(len(scenes), size=s.batch)))
+        batch = batch.mirrored() if rng.random() < 0.5 else batch
         x = draped(net, garment, batch)
         terms = {k: (KEPT if s.curvature else 1.0) * v for k, v in physical(x, garment, batch).items()}
         terms |= {k: weights[k] * v for k, v in curvature(x, garment, batch, s.curvature).items()}

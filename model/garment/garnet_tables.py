@@ -1,34 +1,41 @@
-"""Gather tables of GarNet: one-ring neighbours of the garment, thinned body points, nearest of them. World, metres."""
+"""Gather tables of GarNet: rings of the garment's nodes, thinned body points, nearest of them. Metres.
+
+The server makes the same tables (`toile-drape/src/garnet_tables.rs`).
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 
-from garment.graph import mesh_edges
+from garment.graph import NEIGHBOURS
 
 Floats = NDArray[np.floating]
 Ints = NDArray[np.int64]
 
-#: Widest one-ring that is kept whole; of wider ones the nearest neighbours stay.
-RING = 10
+#: Entries of a ring: a node and its neighbours.
+RING = NEIGHBOURS + 1
 
 
-def ring(vertices: Floats, triangles: Ints) -> tuple[Ints, Floats]:
-    """Each vertex and those that it shares an edge with, (N, RING) twice: index and weight, rows sum to 1."""
-    edges = mesh_edges(triangles)
-    itself = np.arange(len(vertices))[:, None].repeat(2, 1)
-    links = np.concatenate([edges, edges[:, ::-1], itself])
-    distance = np.linalg.norm(vertices[links[:, 0]] - vertices[links[:, 1]], axis=1)
-    links = links[np.lexsort((links[:, 1], distance, links[:, 0]))]
-    rank = np.arange(len(links)) - np.searchsorted(links[:, 0], links[:, 0])
-    kept = rank < RING
-    index = np.arange(len(vertices))[:, None].repeat(RING, 1)
-    weight = np.zeros(index.shape)
-    index[links[kept, 0], rank[kept]] = links[kept, 1]
-    weight[links[kept, 0], rank[kept]] = 1
+def ring(near: Ints, near_weight: Floats) -> tuple[Ints, Floats]:
+    """Each node and the nodes that touch it (M, NEIGHBOURS), (M, RING) twice: index and weight, rows sum to 1."""
+    index = np.concatenate([np.arange(len(near))[:, None], near], 1)
+    weight = np.concatenate([np.ones((len(near), 1)), near_weight > 0], 1)
     return index, weight / weight.sum(1, keepdims=True)
+
+
+def nodes_on_body(nodes: Floats, rest: Floats, on_body: Floats, support: Ints, weight: Floats) -> Floats:
+    """Nodes of the reference body's rest pose carried to another body, (M, 3): they follow the vertices around them.
+
+    nodes (M, 3); rest, on_body (N, 3) vertices on the reference body and on the other; support, weight (N, SUPPORTS):
+    nodes that each vertex is interpolated from. Nodes that no vertex reads stay.
+    """
+    rows = np.repeat(np.arange(len(rest)), support.shape[1])
+    reads = coo_matrix((weight.ravel(), (support.ravel(), rows)), (len(nodes), len(rest))).tocsr()
+    total = np.asarray(reads.sum(1))
+    return nodes + reads @ (on_body - rest) / np.maximum(total, 1e-9)
 
 
 def spread_out(points: Floats, wanted: int) -> Ints:
@@ -67,7 +74,7 @@ def _cell_size(points: Floats, wanted: int) -> float:
 
 
 def nearest_thinned(garment: Floats, points: Floats, thin: Ints, count: int) -> Ints:
-    """The `count` thinned points nearest to each garment vertex, (N, count); each is where its average lies."""
+    """The `count` thinned points nearest to each garment node, (M, count); each is where its average lies."""
     centre = points[thin].mean(1)
     found = cKDTree(centre).query(garment, min(count, len(centre)))[1].reshape(len(garment), -1)
     return np.concatenate([found, found[:, :1].repeat(count - found.shape[1], 1)], 1).astype(np.int64)

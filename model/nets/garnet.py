@@ -1,9 +1,12 @@
 """GarNet++ (Gundogdu et al. 2020): a garment draped on any body, seen as points.
 
 Two streams (section 3.2): the body's points after PointNet, the garment's mesh after mesh convolutions (FeaStNet,
-Verma et al. 2018), fused into a translation of every vertex from where dual-quaternion skinning puts it (equation 1).
+Verma et al. 2018), fused into a translation of every node from where dual-quaternion skinning puts it (equation 1).
 The variants of section 4.2: `naive` without mesh convolutions, `global` with them, `local` with the features of the
-nearest body points as well. World space, metres. P drapes of one garment with N vertices over M body points.
+nearest body points as well. World space, metres. P drapes of one garment over M body points.
+
+The garment's points are the N nodes of its canonical graph (`garment.graph`), not its vertices: an answer then does
+not depend on the mesh's resolution, and a fine mesh costs what a coarse one does. Translations are read at vertices.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ Variant = Literal["naive", "global", "local"]
 
 #: Slope of the leaky rectifiers (section 3.5).
 LEAK = 0.1
-#: Body points that a garment vertex pools (section 3.5).
+#: Body points that a garment node pools (section 3.5).
 POOLED = 15
 #: Points that a thinned body point averages, and how many become one (section 3.5).
 AVERAGED, THINNED = 16, 10
@@ -46,10 +49,10 @@ class Sizes:
 class Neighbours:
     """Tables of gathers. Rows are padded with their first entry at weight 0."""
 
-    ring: Tensor  # (N, K) vertices that share an edge with each vertex, and itself
+    ring: Tensor  # (N, K) each node and those that touch it
     ring_weight: Tensor  # (N, K) rows sum to 1
     thinned: Tensor  # (M', AVERAGED) body points that each thinned point averages
-    pooled: Tensor  # (P, N, POOLED) thinned points nearest to each garment vertex
+    pooled: Tensor  # (P, N, POOLED) thinned points nearest to each garment node
 
 
 def rectified(x: Tensor) -> Tensor:
@@ -161,7 +164,7 @@ class GarmentStream(nn.Module):
         self.width = 3 + 2 * sizes.point + sizes.whole
 
     def forward(self, garment: Tensor, body: Tensor, near: Neighbours) -> Tensor:
-        """body (P, whole): global features of the body, repeated for each vertex."""
+        """body (P, whole): global features of the body, repeated for each node."""
         count = garment.shape[1]
         point = self.points(self.align(garment))
         h = torch.cat([point, body[:, None].expand(-1, count, -1)], -1)
@@ -174,7 +177,7 @@ class GarmentStream(nn.Module):
 
 
 class GarNet(nn.Module):
-    """Warped garment and body points to translations of the garment's vertices."""
+    """Warped garment and body points to translations of the garment's nodes."""
 
     def __init__(self, sizes: Sizes) -> None:
         super().__init__()
@@ -196,7 +199,7 @@ class GarNet(nn.Module):
 
 
 def pooled(points: Tensor, near: Neighbours) -> Tensor:
-    """Largest features among the body points around each garment vertex, (P, N, point) (Figure 5)."""
+    """Largest features among the body points around each garment node, (P, N, point) (Figure 5)."""
     thin = points[:, near.thinned].mean(2)
     drapes = torch.arange(thin.shape[0])[:, None, None]
     return thin[drapes, near.pooled].amax(2)

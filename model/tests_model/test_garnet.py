@@ -12,6 +12,7 @@ import garnet_losses as losses
 from export import export_method
 from export_garnet import spec
 from garment import garnet_tables as tables
+from garment.graph import NEIGHBOURS, mesh_edges, nearest_linked
 from nets.garnet import AVERAGED, POOLED, THINNED, GarNet, Neighbours, Sizes, Variant
 
 VARIANTS: tuple[Variant, ...] = ("naive", "global", "local")
@@ -32,7 +33,9 @@ def scene() -> tuple[torch.Tensor, torch.Tensor, np.ndarray]:
 
 
 def neighbours(garment: torch.Tensor, body: torch.Tensor, triangles: np.ndarray) -> Neighbours:
-    ring, weight = tables.ring(garment[0].numpy(), triangles)
+    points, edges = garment[0].numpy(), mesh_edges(triangles)
+    both = np.concatenate([edges, edges[:, ::-1]])
+    ring, weight = tables.ring(*nearest_linked(points, both, points, NEIGHBOURS))
     thin = tables.thinned(body[0].numpy(), THINNED, AVERAGED)
     pooled = tables.nearest_thinned(garment[0].numpy(), body[0].numpy(), thin, POOLED)
     as_tensor = torch.as_tensor
@@ -51,7 +54,7 @@ def awake(variant: Variant) -> GarNet:
 
 @pytest.mark.parametrize("variant", VARIANTS)
 @torch.no_grad()
-def test_the_order_of_vertices_and_points_does_not_matter(scene: tuple, variant: Variant) -> None:
+def test_the_order_of_nodes_and_points_does_not_matter(scene: tuple, variant: Variant) -> None:
     garment, body, triangles = scene
     net, rng = awake(variant), np.random.default_rng(0)
     plain = net(garment, body, neighbours(garment, body, triangles))
@@ -90,6 +93,18 @@ def test_thinned_points_cover_the_body(scene: tuple) -> None:
     thin = tables.thinned(body, THINNED, AVERAGED)
     assert 0.8 * len(body) / THINNED < len(thin) < 1.25 * len(body) / THINNED
     assert len(np.unique(thin)) > 0.8 * len(body)
+
+
+def test_nodes_follow_the_vertices_around_them() -> None:
+    rng = np.random.default_rng(3)
+    rest, nodes = rng.normal(size=(40, 3)), rng.normal(size=(11, 3))
+    support = rng.integers(10, size=(40, 8))
+    weight = rng.random((40, 8))
+    away = np.array([0.1, 0, -0.2])
+    moved = tables.nodes_on_body(nodes, rest, rest + away, support, weight)
+    read = np.unique(support)
+    np.testing.assert_allclose(moved[read], nodes[read] + away)
+    np.testing.assert_array_equal(moved[10], nodes[10], "no vertex reads it")
 
 
 def test_a_few_points_are_enough(scene: tuple) -> None:

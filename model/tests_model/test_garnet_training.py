@@ -11,7 +11,7 @@ from evaluate_garnet import measured, row
 from garnet_data import SPLITS, Drape, Split, drapes, make, samples
 from garnet_scenes import Garment, Scenes, load
 from nets.garnet import GarNet, Sizes
-from train_garnet import Settings, curvature, draped, learn
+from train_garnet import Settings, curvature, draped, learn, physical
 from training_data import BodyBank
 
 SPLIT = Split("train", 1, 3, 5)
@@ -43,12 +43,21 @@ def test_no_body_is_in_two_sets() -> None:
 
 
 def test_warped_cloth_is_near_its_drape(scenes: tuple[Garment, Scenes]) -> None:
-    _, s = scenes
+    garment, s = scenes
     assert len(s) >= 2
     far = losses.vertices(s.warped, s.truth).item()
     assert 0.003 < far < 0.15
-    assert s.warped.mean((0, 1)).abs().max() < 1e-5
+    assert s.nodes.mean((0, 1)).abs().max() < 1e-5
+    read = (garment.support_weight[..., None] * s.nodes[:, garment.support]).sum(2)
+    assert (read - s.warped).norm(dim=-1).mean() < 0.01, "nodes lie among the vertices that read them"
     assert losses.interpenetration(s.truth, s.truth, s.body, s.body_normals, 0.0).item() < 1e-3
+
+
+def test_a_mirrored_drape_is_as_good(scenes: tuple[Garment, Scenes]) -> None:
+    garment, s = scenes
+    torch.testing.assert_close(s.mirrored().mirrored().truth, s.truth)
+    for one, two in zip(*(physical(x.warped, garment, x).values() for x in (s, s.mirrored())), strict=True):
+        torch.testing.assert_close(one, two)
 
 
 @pytest.mark.parametrize("curved", ["", "rq", "mc"])
