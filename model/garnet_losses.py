@@ -42,7 +42,9 @@ def interpenetration(x: Tensor, truth: Tensor, body: Tensor, body_normals: Tenso
 
 def clearance(x: Tensor, body: Tensor, body_normals: Tensor) -> Tensor:
     """Signed distance of each vertex to the plane of the nearest body point, (P, N), metres."""
-    near = torch.cdist(x.detach(), body).argmin(-1)[..., None].expand(-1, -1, 3)
+    # Squared distances less what does not depend on the point: the least is the same, in half the time.
+    near = (body.square().sum(-1)[:, None] - 2 * x.detach() @ body.transpose(1, 2)).argmin(-1)
+    near = near[..., None].expand(-1, -1, 3)
     return energies.clearance(x, body.gather(1, near), body_normals.gather(1, near))
 
 

@@ -73,6 +73,7 @@ class Scenes:
     body: Tensor  # (D, B, 3)
     body_normals: Tensor  # (D, B, 3)
     pooled: Tensor  # (D, M, POOLED)
+    which: Tensor  # (D, 2) body and pose of the split
 
     def __len__(self) -> int:
         return len(self.warped)
@@ -84,7 +85,7 @@ class Scenes:
         """Left and right exchanged, which neither cloth nor gravity notices."""
         flip = torch.tensor([-1.0, 1, 1])
         turned = (flip * x for x in (self.nodes, self.warped, self.truth, self.body, self.body_normals))
-        return Scenes(*turned, self.pooled)
+        return Scenes(*turned, self.pooled, self.which)
 
     def near(self, garment: Garment) -> Neighbours:
         return Neighbours(garment.ring, garment.ring_weight, garment.thinned, self.pooled.long())
@@ -106,7 +107,7 @@ def load(kind: str, split: Split, bank: BodyBank, folder: Path = GARNET) -> tupl
         transforms = entry.transforms[list(kept)].double().numpy()
         nodes, warped = warped_on(sample, garment, rest, transforms)
         rows += [
-            _scene(garment, n, w, x, entry.vertices[p], entry.normals[p])
+            (*_scene(garment, n, w, x, entry.vertices[p], entry.normals[p]), torch.tensor([k, p]))
             for n, w, (p, x) in zip(nodes, warped, kept.items(), strict=True)
         ]
     if not rows:
@@ -132,7 +133,7 @@ def warped_on(
 def _scene(
     garment: Garment, nodes: np.ndarray, warped: np.ndarray, truth: np.ndarray, skin: Tensor, normals: Tensor
 ) -> tuple[Tensor, ...]:
-    """One row of `Scenes`."""
+    """One row of `Scenes`, less which it is."""
     middle = nodes.mean(0)
     body = skin[garment.points].double().numpy()
     pooled = tables.nearest_thinned(nodes, body, garment.thinned.numpy(), POOLED)

@@ -37,7 +37,7 @@ class Settings:
     """What a run is made of."""
 
     minutes: float
-    batch: int = 4
+    batch: int = 2
     rate: float = 1e-3
     steps: int = 10**9  # stop after this many, for smoke runs
     curvature: str = ""  # fine-tuning by "rq" or "mc"

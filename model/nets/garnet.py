@@ -42,7 +42,7 @@ class Sizes:
     aligner: int = 128  # of the spatial transformers before their maximum
     aligner_head: int = 64
     blocks: int = 6  # residual blocks of mesh convolutions
-    steers: int = 4  # weight matrices of a mesh convolution
+    steers: int = 2  # weight matrices of a mesh convolution
 
 
 @dataclass(frozen=True)
@@ -134,18 +134,16 @@ class MeshConvolution(nn.Module):
 class Residual(nn.Module):
     """Two mesh convolutions beside a skip; the positions enter both (section 3.5)."""
 
-    def __init__(self, inlet: int, sizes: Sizes) -> None:
+    def __init__(self, sizes: Sizes) -> None:
         super().__init__()
-        self.one = MeshConvolution(inlet + 3, sizes.point, sizes.steers)
-        self.two = MeshConvolution(sizes.point + 3, sizes.point, sizes.steers)
-        self.skip = nn.Identity() if inlet == sizes.point else nn.Linear(inlet, sizes.point)
+        self.one, self.two = (MeshConvolution(sizes.point + 3, sizes.point, sizes.steers) for _ in range(2))
         # A block begins as its skip, so that six of them train.
         nn.init.zeros_(self.two.weight.weight)
         nn.init.zeros_(self.two.weight.bias)
 
     def forward(self, h: Tensor, positions: Tensor, near: Neighbours) -> Tensor:
         out = rectified(self.one(torch.cat([h, positions], -1), near))
-        return rectified(self.skip(h) + self.two(torch.cat([out, positions], -1), near))
+        return rectified(h + self.two(torch.cat([out, positions], -1), near))
 
 
 class GarmentStream(nn.Module):
@@ -155,11 +153,11 @@ class GarmentStream(nn.Module):
         super().__init__()
         self.align = SpatialTransformer(3, sizes)
         self.points = Shared(3, sizes.point, sizes.point)
-        inlet = sizes.point + sizes.whole
+        self.meet = Shared(sizes.point + sizes.whole, sizes.point)
         blocks = 0 if sizes.variant == "naive" else sizes.blocks
-        self.patches = nn.ModuleList(Residual(inlet if i == 0 else sizes.point, sizes) for i in range(blocks))
+        self.patches = nn.ModuleList(Residual(sizes) for _ in range(blocks))
         if not blocks:
-            self.plain = Shared(inlet, sizes.point, sizes.point)
+            self.plain = Shared(sizes.point, sizes.point)
         self.whole = Shared(sizes.point, sizes.whole)
         self.width = 3 + 2 * sizes.point + sizes.whole
 
@@ -167,7 +165,8 @@ class GarmentStream(nn.Module):
         """body (P, whole): global features of the body, repeated for each node."""
         count = garment.shape[1]
         point = self.points(self.align(garment))
-        h = torch.cat([point, body[:, None].expand(-1, count, -1)], -1)
+        # Convolutions of the body's features, alike at every node, would be most of the work: they are mixed in before.
+        h = self.meet(torch.cat([point, body[:, None].expand(-1, count, -1)], -1))
         for block in self.patches:
             h = block(h, garment, near)
         if not self.patches:
