@@ -35,6 +35,14 @@ pub enum DrapeError {
         /// Vertices of the static pass.
         found: usize,
     },
+    /// Kinds of garments that do not go with the outfit's.
+    #[error("{found} kinds of garments are stated where the outfit has {expected}")]
+    NoKinds {
+        /// Garments of the outfit.
+        expected: usize,
+        /// Kinds stated.
+        found: usize,
+    },
     /// A motion without poses.
     #[error("there is no pose to drape")]
     NoPose,

@@ -38,6 +38,6 @@ pub trait Networks: Send {
     /// When there is no such graph, an input does not match the manifest, or the runtime fails.
     fn run(&mut self, graph: &str, inputs: &[(&str, TensorRef<'_>)]) -> Result<Vec<Tensor>, NetworkError>;
 
-    /// SHA-256 over the manifests, part of the address of every static pass.
+    /// SHA-256 over the networks of the static pass, part of the address of every static pass.
     fn fingerprint(&self) -> &str;
 }

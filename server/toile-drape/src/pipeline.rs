@@ -12,7 +12,7 @@ use toile_geometry::pose::Pose;
 use crate::contact::Collider;
 use crate::error::DrapeError;
 use crate::fitted::{Fitted, lengths};
-use crate::methods::{MethodKind, Placement, PosedSkeleton};
+use crate::methods::{GarmentKind, MethodKind, Placement, Wearer};
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
@@ -42,6 +42,8 @@ pub struct DrapeRequest<'a> {
     pub motion: &'a Motion,
     /// The way to drape.
     pub method: MethodKind,
+    /// Kind of every garment, innermost first; empty for methods that need none.
+    pub kinds: &'a [GarmentKind],
     /// Whether cloth inside the body or under inner garments is moved out afterwards.
     pub resolve: bool,
 }
@@ -126,17 +128,23 @@ pub fn drape(
     let mut out = Drape::default();
     let timing = &mut out.timing;
     let (shaped, fitted) = timing.time("body", || clothe(studio, request));
-    let skeletons = timing.time("body", || pose_skeletons(studio, &shaped, &request.motion.poses));
-    let posed = PosedSkeleton {
+    let posed = timing.time("body", || posed(studio, &shaped, request.motion));
+    let wearer = Wearer {
+        outfit: request.outfit,
+        statics: request.statics,
+        kinds: request.kinds,
+        rest: &fitted.rest,
         shape: &request.motion.shape,
-        transforms: &skeletons.garment,
+        transforms: &posed.transforms,
         parents: &studio.garment_parents,
+        bodies: &posed.bodies,
+        seen: &studio.seen,
     };
     let method = request.method.method();
-    let placement = timing.time("dynamic", || method.dynamic_pass(request.statics, &posed, networks))?;
-    for (index, world) in skeletons.world.iter().enumerate() {
-        let scene = Scene { studio, shaped: &shaped, fitted: &fitted, placement: &placement, request };
-        let (frame, quality) = drape_frame(&scene, index, world, &skeletons.garment[index], timing);
+    let placement = timing.time("dynamic", || method.dynamic_pass(&wearer, networks))?;
+    let scene = Scene { studio, fitted: &fitted, placement: &placement, request };
+    for (index, (body, transforms)) in posed.bodies.iter().zip(&posed.transforms).enumerate() {
+        let (frame, quality) = drape_frame(&scene, index, body, transforms, timing);
         out.quality = out.quality.worse(quality);
         out.frames.push(frame);
     }
@@ -161,20 +169,29 @@ fn clothe(studio: &Studio, request: &DrapeRequest<'_>) -> (Arc<ShapedBody>, Arc<
     (shaped, fitted)
 }
 
-struct Skeletons {
-    world: Vec<Vec<Affine3A>>,
-    garment: Vec<Vec<Affine3A>>,
+/// The body in every frame, standing on the floor.
+struct PosedBodies {
+    bodies: Vec<Arc<PosedBody>>,
+    /// World-from-A-pose transforms of the garment joints.
+    transforms: Vec<Vec<Affine3A>>,
 }
 
-fn pose_skeletons(studio: &Studio, shaped: &ShapedBody, poses: &[Pose]) -> Skeletons {
-    let body = &studio.body;
-    let world: Vec<Vec<Affine3A>> = poses.iter().map(|p| body.world_joints(shaped, p)).collect();
-    Skeletons { garment: world.iter().map(|w| body.garment_transforms(shaped, w)).collect(), world }
+fn posed(studio: &Studio, shaped: &ShapedBody, motion: &Motion) -> PosedBodies {
+    let (body, parts) = (&studio.body, &studio.reference.parts);
+    let frame = |pose: &Pose| {
+        let world = body.world_joints(shaped, pose);
+        let key = (motion.shape.clone(), pose.clone());
+        let posed = studio.posed.get(key, |_| PosedBody::standing(body, parts, shaped, &world));
+        let lift = Affine3A::from_translation(posed.lift);
+        let transforms = body.garment_transforms(shaped, &world).iter().map(|t| lift * *t).collect();
+        (posed, transforms)
+    };
+    let (bodies, transforms) = motion.poses.iter().map(frame).unzip();
+    PosedBodies { bodies, transforms }
 }
 
 struct Scene<'a> {
     studio: &'a Studio,
-    shaped: &'a ShapedBody,
     fitted: &'a Fitted,
     placement: &'a Placement<'a>,
     request: &'a DrapeRequest<'a>,
@@ -183,22 +200,13 @@ struct Scene<'a> {
 fn drape_frame(
     scene: &Scene<'_>,
     index: usize,
-    world: &[Affine3A],
-    garment: &[Affine3A],
+    posed: &Arc<PosedBody>,
+    transforms: &[Affine3A],
     timing: &mut Timing,
 ) -> (Frame, Quality) {
-    let (body, outfit, statics) = (&scene.studio.body, scene.request.outfit, scene.request.statics);
-    let motion = scene.request.motion;
-    let posed = timing.time("body", || {
-        let key = (motion.shape.clone(), motion.poses[index].clone());
-        scene
-            .studio
-            .posed
-            .get(key, |_| PosedBody::standing(body, &scene.studio.reference.parts, scene.shaped, world))
-    });
-    let lifted: Vec<Affine3A> = garment.iter().map(|t| Affine3A::from_translation(posed.lift) * *t).collect();
+    let (outfit, statics) = (scene.request.outfit, scene.request.statics);
     let mut positions =
-        timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, &lifted));
+        timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, transforms));
     let ring = &scene.studio.reference.ring;
     let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
     let resolved = timing.time("resolve", || {
@@ -214,7 +222,7 @@ fn drape_frame(
     quality.penetration_before_percent = percent(resolved.inside_before);
     quality.penetration_after_percent = percent(resolved.inside_after);
     let penetration = resolved.depth_before;
-    (Frame { positions, normals, body: posed, penetration, strain }, quality)
+    (Frame { positions, normals, body: Arc::clone(posed), penetration, strain }, quality)
 }
 
 /// Strain at each vertex and the quality figures that follow from the edges.

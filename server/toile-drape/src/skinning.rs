@@ -19,6 +19,7 @@ pub fn place(placement: &Placement<'_>, frame: usize, rest: &[Vec3], transforms:
                 })
                 .collect()
         }
+        Placement::World(frames) => frames.get(frame).cloned().unwrap_or_default(),
     }
 }
 

@@ -16,7 +16,7 @@ use crate::layers::{LAYER_CANDIDATES, LayerContacts};
 use crate::methods::deepsd::BASIS;
 use crate::outfit::Outfit;
 use crate::repair::garment_of_vertex;
-use crate::static_pass::{Rig, StaticPass};
+use crate::static_pass::{NodeRig, Rig, StaticPass};
 
 struct Column<'a> {
     dtype: Dtype,
@@ -87,6 +87,10 @@ impl StaticPass {
             ("prior_weights", floats(rig.prior_weights.as_flattened())),
             ("basis", floats(&rig.basis)),
             ("descriptors", floats(&rig.descriptors)),
+            ("node_positions", floats(bytemuck::cast_slice(&self.nodes.positions))),
+            ("node_garment", indices(&self.nodes.garment)),
+            ("node_joints", small(self.nodes.joints.as_flattened())),
+            ("node_weights", floats(self.nodes.weights.as_flattened())),
             ("vertex_from_node", indices(&self.vertex_from_node.index)),
             ("vertex_from_node_weight", floats(&self.vertex_from_node.weight)),
             ("near", indices(&self.near.index)),
@@ -108,12 +112,12 @@ impl StaticPass {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, DrapeError> {
         let file = Stored(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
         let edges = as_rows::<u32, 2>(file.column("edges", Dtype::U32)?);
-        let rest: Vec<Vec3> =
-            as_rows::<f32, 3>(file.floats("rest")?).into_iter().map(Vec3::from_array).collect();
+        let rest = file.points("rest")?;
         let both = edges.iter().flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
         let out = Self {
             clearance: file.floats("clearance")?,
             rig: file.rig()?,
+            nodes: file.nodes()?,
             vertex_from_node: file.links("vertex_from_node", SUPPORTS)?,
             near: file.links("near", NEIGHBOURS)?,
             candidates: file.column("candidates", Dtype::U32)?,
@@ -136,6 +140,8 @@ impl StaticPass {
         let sizes = self.clearance.len() == n
             && [rig.joints.len(), rig.weights.len(), rig.prior_joints.len(), rig.prior_weights.len()]
                 == [n; 4]
+            && [self.nodes.positions.len(), self.nodes.garment.len()] == [nodes; 2]
+            && [self.nodes.joints.len(), self.nodes.weights.len()] == [nodes; 2]
             && rig.basis.len() == 3 * BASIS * nodes
             && self.vertex_from_node.len() == n
             && self.shape.len() == nodes
@@ -186,6 +192,19 @@ impl Stored<'_> {
             return Err(DrapeError::Stored(format!("{name} is not {width} wide")));
         }
         Ok(Links { width, index, weight })
+    }
+
+    fn points(&self, name: &str) -> Result<Vec<Vec3>, DrapeError> {
+        Ok(as_rows::<f32, 3>(self.floats(name)?).into_iter().map(Vec3::from_array).collect())
+    }
+
+    fn nodes(&self) -> Result<NodeRig, DrapeError> {
+        Ok(NodeRig {
+            positions: self.points("node_positions")?,
+            garment: self.column("node_garment", Dtype::U32)?,
+            joints: as_rows(self.column("node_joints", Dtype::U8)?),
+            weights: as_rows(self.floats("node_weights")?),
+        })
     }
 
     fn rig(&self) -> Result<Rig, DrapeError> {

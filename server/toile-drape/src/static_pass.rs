@@ -22,7 +22,7 @@ use crate::shape::carried_to_reference;
 use crate::stretch::interleaved;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 7;
+pub const STATIC_FORMAT: u32 = 8;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -43,6 +43,19 @@ pub struct Rig {
     pub descriptors: Vec<f32>,
 }
 
+/// Nodes of the canonical graph as something to be skinned by the body's own weights.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NodeRig {
+    /// Positions, rest space, metres.
+    pub positions: Vec<Vec3>,
+    /// Garment of each node, innermost first.
+    pub garment: Vec<u32>,
+    /// Joints of each node over the garment skeleton.
+    pub joints: Vec<[u8; INFLUENCES]>,
+    /// Their weights, summing to 1.
+    pub weights: Vec<[f32; INFLUENCES]>,
+}
+
 /// Everything of an outfit that does not depend on pose or body shape. Rest space on the reference body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StaticPass {
@@ -52,6 +65,8 @@ pub struct StaticPass {
     pub clearance: Vec<f32>,
     /// What the networks say.
     pub rig: Rig,
+    /// The nodes.
+    pub nodes: NodeRig,
     /// Vertices from nodes.
     pub vertex_from_node: Links,
     /// Touching nodes.
@@ -115,6 +130,7 @@ impl StaticPass {
         let rig = deepsd::static_pass(&graph, &features, &prior, &riders, networks)?;
         let limbs: Vec<Limb> = prior.iter().map(|w| reference.limb(w)).collect();
         let (candidates, shape) = body_links(&graph.nodes.positions, &limbs, reference);
+        let (joints, weights) = largest_influences(&prior);
         Ok(Self {
             clearance: rest.iter().map(|p| reference.signed_distance(*p)).collect(),
             candidates,
@@ -123,6 +139,12 @@ impl StaticPass {
             edges: interleaved(edges(&outfit.triangles)),
             ring,
             rig,
+            nodes: NodeRig {
+                positions: graph.nodes.positions,
+                garment: graph.nodes.garment,
+                joints,
+                weights,
+            },
             vertex_from_node: graph.vertex_from_node,
             near: graph.near,
             fitted_shapes: FittedShapes::default(),
@@ -169,6 +191,7 @@ impl StaticPass {
     pub fn byte_size(&self) -> usize {
         let links = |l: &Links| 8 * l.index.len();
         4 * (self.rig.basis.len() + self.rig.descriptors.len() + self.candidates.len())
+            + self.nodes.positions.len() * (12 + 4 + 20)
             + self.rest.len() * (12 + 4 + 2 * 20)
             + links(&self.vertex_from_node)
             + links(&self.near)

@@ -7,6 +7,7 @@ use toile_geometry::pose::Pose;
 
 use crate::arm_room::ArmRoom;
 use crate::error::DrapeError;
+use crate::garnet_tables::SeenPoints;
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
@@ -23,6 +24,8 @@ pub struct Studio {
     pub body: Body,
     /// The reference body's surface.
     pub reference: ReferenceBody,
+    /// Points of the body that networks see.
+    pub seen: SeenPoints,
     /// What a wider body does to arms that hang.
     pub arm_room: ArmRoom,
     /// Parents of the garment joints.
@@ -41,10 +44,12 @@ impl Studio {
     pub fn new(body: Body) -> Result<Arc<Self>, DrapeError> {
         let reference = ReferenceBody::new(&body)?;
         let arm_room = ArmRoom::new(&body, &body.shape(&BodyShape::default()), Arc::clone(&reference.parts));
+        let seen = SeenPoints::of(&reference.vertices);
         let garment_parents = body.skeleton().garment_parents().to_vec();
         Ok(Arc::new(Self {
             body,
             reference,
+            seen,
             arm_room,
             garment_parents,
             shapes: Recent::new(SHAPES),

@@ -15,8 +15,8 @@ use toile_drape::network::{NetworkError, Networks, Tensor, TensorRef};
 use crate::environment::{LibraryError, start};
 use crate::manifest::{Extent, FORMAT, Graph, Manifest, Port};
 
-/// Methods that come with networks.
-const METHODS: [&str; 2] = ["deepsd", "deepsd-concat"];
+/// Methods that come with networks, and whether these have a part in the static pass.
+const METHODS: [(&str, bool); 3] = [("deepsd", true), ("deepsd-concat", true), ("garnet", false)];
 
 /// The networks on disk cannot be used.
 #[derive(Debug, Error)]
@@ -65,11 +65,13 @@ impl OnnxNetworks {
         let environment = start(library)?;
         let mut files = BTreeMap::new();
         let mut hash = Sha256::new();
-        for method in METHODS {
+        for (method, in_static_pass) in METHODS {
             let folder = artifacts.join(method);
             let manifest = read_manifest(&folder.join("manifest.json"))?;
             for graph in manifest.graphs {
-                hash.update(&graph.sha256);
+                if in_static_pass {
+                    hash.update(&graph.sha256);
+                }
                 let bytes = read_checked(&folder.join(&graph.file), &graph)?;
                 files.insert(format!("{method}/{}", graph.name), Checked { graph, bytes });
             }

@@ -3,14 +3,17 @@
 use std::time::Instant;
 
 use bytes::Bytes;
+use toile_drape::methods::{GarmentKind, MethodKind};
 use toile_drape::network::Networks;
+use toile_drape::outfit::Garment;
 use toile_drape::pipeline::{self, Drape, DrapeRequest, Motion, Quality};
 use toile_gltf::{FrameView, Scene, write_drape};
 
 use crate::assets::Assets;
-use crate::errors::ApiError;
+use crate::errors::{ApiError, Code};
 use crate::requests::{Attribute, DrapeBody, OutputRequest, Part};
 use crate::server_timing::ServerTiming;
+use crate::upload::check_names;
 use crate::wardrobe::Prepared;
 
 /// A finished drape.
@@ -45,6 +48,7 @@ pub fn drape(
         statics: &prepared.statics,
         motion: &motion,
         method: request.method()?,
+        kinds: &kinds(prepared, request)?,
         resolve: true,
     };
     let drape = pipeline::drape(&assets.studio, &work, networks)?;
@@ -53,6 +57,33 @@ pub fn drape(
     let glb = encode(assets, prepared, &drape, &motion, &request.output)?;
     timing.add_since("encode", started, None);
     Ok(Draped { glb, quality: drape.quality, motion, timing })
+}
+
+/// Kind of every garment, for the method that needs them; as the request says, otherwise as the outfit's metadata do.
+///
+/// # Errors
+/// `unknown-kind` for a garment that neither says anything of, `invalid-field` for one that is not there.
+fn kinds(prepared: &Prepared, request: &DrapeBody) -> Result<Vec<GarmentKind>, ApiError> {
+    let stated = &request.output.kinds;
+    check_names(stated, &prepared.outfit).map_err(|error| error.under("/output/kinds"))?;
+    if request.method()? != MethodKind::Garnet {
+        return Ok(Vec::new());
+    }
+    let kind = |garment: &Garment| {
+        let found = stated.get(&garment.name).or_else(|| prepared.kinds.get(&garment.name));
+        found.copied().ok_or_else(|| unknown_kind(&garment.name))
+    };
+    prepared.outfit.garments.iter().map(kind).collect()
+}
+
+fn unknown_kind(garment: &str) -> ApiError {
+    let known: Vec<&str> = GarmentKind::ALL.iter().map(|kind| kind.name()).collect();
+    let detail = format!(
+        "Nothing says what kind of garment \"{garment}\" is. If it is one of {}, say so in `output.kinds` or in the \
+         outfit's metadata; the method \"deepsd\" drapes any garment.",
+        known.join(", ")
+    );
+    ApiError::new(Code::UnknownKind, detail).at("/output/kinds")
 }
 
 fn encode(

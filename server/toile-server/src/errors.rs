@@ -48,6 +48,7 @@ pub enum Code {
     WrongUnits,
     OffBody,
     InvalidBake,
+    UnknownKind,
     MeasurementOutOfRange,
     MeasurementUnits,
     UnreachableMeasurements,
@@ -134,6 +135,9 @@ impl Code {
             }
             Self::OffBody => (S::UNPROCESSABLE_ENTITY, "off-body", "The outfit is not on the body"),
             Self::InvalidBake => (S::UNPROCESSABLE_ENTITY, "invalid-bake", "The bake cannot be used"),
+            Self::UnknownKind => {
+                (S::UNPROCESSABLE_ENTITY, "unknown-kind", "The method does not know this kind of garment")
+            }
             Self::MeasurementOutOfRange => {
                 (S::UNPROCESSABLE_ENTITY, "measurement-out-of-range", "A measurement is out of range")
             }

@@ -9,7 +9,7 @@ use crate::errors::ApiError;
 use crate::files::write_atomically;
 use crate::server_timing::ServerTiming;
 use crate::store::{Store, StoreError};
-use crate::upload::{Metadata, Upload};
+use crate::upload::{Kinds, Metadata, Upload};
 use crate::wardrobe::Wardrobe;
 
 /// Why a demo outfit could not be loaded.
@@ -49,6 +49,9 @@ pub struct Exhibit {
     /// Garment names, innermost first.
     #[serde(default)]
     pub layers: Vec<String>,
+    /// Kinds of garments by their names.
+    #[serde(default)]
+    pub kinds: Kinds,
     /// Whether this is the outfit that `toile bench` measures.
     #[serde(default)]
     pub benchmark: bool,
@@ -96,8 +99,12 @@ pub async fn load(gallery: &Path, wardrobe: &Wardrobe, store: &Store) -> Result<
 impl Exhibit {
     /// How the exhibit would be uploaded.
     pub fn upload(&self) -> Upload {
-        let metadata =
-            Metadata { name: Some(self.name.clone()), layers: self.layers.clone(), ..Default::default() };
+        let metadata = Metadata {
+            name: Some(self.name.clone()),
+            layers: self.layers.clone(),
+            kinds: self.kinds.clone(),
+            ..Default::default()
+        };
         Upload { file_name: Some(self.file.clone()), metadata }
     }
 }

@@ -1,6 +1,9 @@
 //! From the bytes of an upload to an outfit, the same way when it arrives and whenever it is read again.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+use toile_drape::methods::GarmentKind;
 use toile_drape::outfit::{Outfit, Report};
 use toile_drape::outfit_build;
 use toile_gltf::{Format, Hints, preflight, read};
@@ -8,10 +11,13 @@ use toile_gltf::{Format, Hints, preflight, read};
 use crate::assets::Assets;
 use crate::errors::{ApiError, Code};
 use crate::hash::short_hash;
-use crate::requests::BodyRequest;
+use crate::requests::{BodyRequest, member};
 
 /// Version of the way from bytes to id; part of every id.
 const ID_VERSION: &[u8] = b"toile outfit 1";
+
+/// Kinds of garments by the garments' names.
+pub type Kinds = BTreeMap<String, GarmentKind>;
 
 /// What the uploader states about the file.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -21,6 +27,9 @@ pub struct Metadata {
     pub name: Option<String>,
     /// Garment names, innermost first.
     pub layers: Vec<String>,
+    /// Kinds of garments by their names, for the method that needs them.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub kinds: Kinds,
     /// The body in whose A-pose the outfit stands; the reference body by default.
     pub fitted_on: Option<BodyRequest>,
     /// `m`, `cm`, `mm` or `in`; detected by default.
@@ -58,7 +67,10 @@ impl Upload {
         source.name = source.name.filter(|name| !name.trim().is_empty()).or_else(|| self.stem());
         source.layers.clone_from(&self.metadata.layers);
         let fitted_on = assets.shaped(&self.fitted_on(assets)?);
-        Ok(outfit_build::build(source, &fitted_on.apose_vertices, assets.body().triangles())?)
+        let (outfit, report) =
+            outfit_build::build(source, &fitted_on.apose_vertices, assets.body().triangles())?;
+        check_names(&self.metadata.kinds, &outfit).map_err(|error| error.under("/metadata/kinds"))?;
+        Ok((outfit, report))
     }
 
     /// The body shape that the outfit is fitted on.
@@ -75,6 +87,21 @@ impl Upload {
     fn stem(&self) -> Option<String> {
         let stem = std::path::Path::new(self.file_name.as_deref()?).file_stem()?.to_string_lossy();
         (!stem.trim().is_empty()).then(|| stem.into_owned())
+    }
+}
+
+/// Refuses kinds of garments that the outfit does not have.
+///
+/// # Errors
+/// `invalid-field`, with a pointer to the first one.
+pub fn check_names(kinds: &Kinds, outfit: &Outfit) -> Result<(), ApiError> {
+    let names: Vec<&str> = outfit.garments.iter().map(|garment| garment.name.as_str()).collect();
+    match kinds.keys().find(|name| !names.contains(&name.as_str())) {
+        Some(name) => {
+            let detail = format!("The outfit has no garment \"{name}\"; it has {}.", names.join(", "));
+            Err(ApiError::new(Code::InvalidField, detail).at(member(name)))
+        }
+        None => Ok(()),
     }
 }
 

@@ -19,7 +19,7 @@ use crate::errors::{ApiError, Code};
 use crate::server_timing::ServerTiming;
 use crate::static_files;
 use crate::store::{NewOutfit, Store, StoredOutfit, Summary};
-use crate::upload::Upload;
+use crate::upload::{Kinds, Upload};
 use crate::workers::Workers;
 
 /// Everything about an outfit that does not depend on body or pose.
@@ -31,19 +31,21 @@ pub struct Prepared {
     pub statics: StaticPass,
     /// What all its GLBs have in common.
     pub template: OutfitTemplate,
+    /// Kinds of its garments, as far as they were stated.
+    pub kinds: Kinds,
     /// What the bake in the static pass buys, if there is one.
     pub bake: Option<BakeReport>,
 }
 
 impl Prepared {
     /// Puts an outfit and its static pass together.
-    pub fn new(mut outfit: Outfit, statics: StaticPass) -> Self {
+    pub fn new(mut outfit: Outfit, statics: StaticPass, kinds: Kinds) -> Self {
         let template = OutfitTemplate::new(&outfit);
         // The template has them now, and nothing else asks for them.
         for material in &mut outfit.materials {
             (material.base_color_picture, material.normal_picture) = (None, None);
         }
-        Self { outfit, statics, template, bake: None }
+        Self { outfit, statics, template, kinds, bake: None }
     }
 
     /// With the bake of a file in the place of the networks' answers, where there is one.
@@ -145,11 +147,13 @@ impl Wardrobe {
     }
 
     async fn load(&self, id: &str) -> Result<(Arc<Prepared>, Source), ApiError> {
-        let (key, statics) = (self.static_key(id), self.statics(self.stored(id).await?));
+        let stored = self.stored(id).await?;
+        let kinds = stored.outfit.upload.metadata.kinds.clone();
+        let (key, statics) = (self.static_key(id), self.statics(stored));
         let bake = self.store.data().bake(&key);
         let prepare = move |networks: &mut dyn Networks| {
             let (outfit, statics, source) = statics(networks)?;
-            Ok::<_, ApiError>((Prepared::new(outfit, statics).baked(&bake, &key), source))
+            Ok::<_, ApiError>((Prepared::new(outfit, statics, kinds).baked(&bake, &key), source))
         };
         let (prepared, source) = self.workers.run(prepare).await??;
         // It may have been deleted meanwhile.
@@ -252,8 +256,9 @@ impl Wardrobe {
             let statics = compute(&outfit, &upload, &assets, networks)?;
             static_files::save(&data.static_pass(&key), &key, &outfit, &statics);
             stages.add_since("static", started, Some(Source::Computed.name()));
+            let kinds = upload.metadata.kinds.clone();
             let new = new_outfit(id, upload, &outfit, report);
-            Ok::<_, ApiError>((new, Prepared::new(outfit, statics), stages))
+            Ok::<_, ApiError>((new, Prepared::new(outfit, statics, kinds), stages))
         };
         let (new, prepared, stages) = self.workers.run(prepare).await??;
         *timing = stages;

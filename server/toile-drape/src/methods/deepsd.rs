@@ -3,7 +3,7 @@
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use toile_geometry::body::BodyShape;
 
-use super::{Method, Placement, PosedSkeleton};
+use super::{Method, Placement, Wearer};
 use crate::binding::{Weights, vertex_weights};
 use crate::error::DrapeError;
 use crate::features::FEATURES;
@@ -11,7 +11,7 @@ use crate::graph::OutfitGraph;
 use crate::network::{Networks, Tensor, TensorRef};
 use crate::ornaments::Riders;
 use crate::reference::GARMENT_JOINTS;
-use crate::static_pass::{Rig, StaticPass, largest_influences};
+use crate::static_pass::{Rig, largest_influences};
 
 /// Basis vectors of a vertex.
 pub const BASIS: usize = 64;
@@ -26,16 +26,16 @@ pub struct Deepsd;
 impl Method for Deepsd {
     fn dynamic_pass<'s>(
         &self,
-        statics: &'s StaticPass,
-        posed: &PosedSkeleton<'_>,
+        wearer: &Wearer<'s>,
         networks: &mut dyn Networks,
     ) -> Result<Placement<'s>, DrapeError> {
+        let statics = wearer.statics;
         // On the nodes, which are fewer than the vertices of a fine mesh; everything after is linear.
         let width = 3 * statics.near.len();
-        let shape = shape_features(posed.shape);
-        let mut offsets = Vec::with_capacity(posed.transforms.len() * 3 * statics.rest.len());
-        for frames in posed.transforms.chunks(CHUNK) {
-            let pose: Vec<f32> = frames.iter().flat_map(|f| pose_features(f, posed.parents)).collect();
+        let shape = shape_features(wearer.shape);
+        let mut offsets = Vec::with_capacity(wearer.transforms.len() * 3 * statics.rest.len());
+        for frames in wearer.transforms.chunks(CHUNK) {
+            let pose: Vec<f32> = frames.iter().flat_map(|f| pose_features(f, wearer.parents)).collect();
             let answer = networks.run(
                 "deepsd/dynamic",
                 &[

@@ -1,10 +1,9 @@
 //! `DeePSD` as printed (section 4.2.2): descriptors and pose concatenated, a network on every vertex.
 
 use super::deepsd::{POSE, only, pose_features, shape_features};
-use super::{Method, Placement, PosedSkeleton};
+use super::{Method, Placement, Wearer};
 use crate::error::DrapeError;
 use crate::network::{Networks, TensorRef};
-use crate::static_pass::StaticPass;
 
 /// `DeePSD` in its printed form, kept for comparison.
 pub struct DeepsdConcat;
@@ -12,17 +11,17 @@ pub struct DeepsdConcat;
 impl Method for DeepsdConcat {
     fn dynamic_pass<'s>(
         &self,
-        statics: &'s StaticPass,
-        posed: &PosedSkeleton<'_>,
+        wearer: &Wearer<'s>,
         networks: &mut dyn Networks,
     ) -> Result<Placement<'s>, DrapeError> {
+        let statics = wearer.statics;
         let vertices = statics.rest.len();
         let descriptors = statics.vertex_descriptors();
         let width = descriptors.len() / vertices.max(1);
-        let shape = shape_features(posed.shape);
-        let mut offsets = Vec::with_capacity(posed.transforms.len() * vertices * 3);
-        for frame in posed.transforms {
-            let pose = pose_features(frame, posed.parents);
+        let shape = shape_features(wearer.shape);
+        let mut offsets = Vec::with_capacity(wearer.transforms.len() * vertices * 3);
+        for frame in wearer.transforms {
+            let pose = pose_features(frame, wearer.parents);
             let answer = networks.run(
                 "deepsd-concat/dynamic",
                 &[

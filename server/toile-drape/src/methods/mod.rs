@@ -2,17 +2,25 @@
 
 pub mod deepsd;
 pub mod deepsd_concat;
+pub mod garnet;
+mod kinds;
 pub mod skinning;
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use toile_geometry::body::BodyShape;
 
 use crate::error::DrapeError;
+use crate::garnet_tables::SeenPoints;
 use crate::network::Networks;
+use crate::outfit::Outfit;
+use crate::posed_body::PosedBody;
 use crate::static_pass::{INFLUENCES, StaticPass};
+
+pub use kinds::{GarmentKind, UnknownKind};
 
 /// Names of the methods, as in the API.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -22,13 +30,15 @@ pub enum MethodKind {
     Deepsd,
     /// `DeePSD` as printed: a fully connected network on every vertex.
     DeepsdConcat,
+    /// `GarNet++`: a network of every kind of garment, which sees the body as points.
+    Garnet,
     /// Linear blend skinning with the body's own weights.
     Skinning,
 }
 
 impl MethodKind {
     /// Every method, in the order of the API.
-    pub const ALL: [Self; 3] = [Self::Deepsd, Self::DeepsdConcat, Self::Skinning];
+    pub const ALL: [Self; 4] = [Self::Deepsd, Self::DeepsdConcat, Self::Garnet, Self::Skinning];
 
     /// The name in the API.
     #[must_use]
@@ -36,6 +46,7 @@ impl MethodKind {
         match self {
             Self::Deepsd => "deepsd",
             Self::DeepsdConcat => "deepsd-concat",
+            Self::Garnet => "garnet",
             Self::Skinning => "skinning",
         }
     }
@@ -46,6 +57,7 @@ impl MethodKind {
         match self {
             Self::Deepsd => &deepsd::Deepsd,
             Self::DeepsdConcat => &deepsd_concat::DeepsdConcat,
+            Self::Garnet => &garnet::Garnet,
             Self::Skinning => &skinning::Skinning,
         }
     }
@@ -59,7 +71,7 @@ impl fmt::Display for MethodKind {
 
 /// No such method.
 #[derive(Debug, thiserror::Error)]
-#[error("there is no method {0:?}; use deepsd, deepsd-concat or skinning")]
+#[error("there is no method {0:?}; use deepsd, deepsd-concat, garnet or skinning")]
 pub struct UnknownMethod(String);
 
 impl FromStr for MethodKind {
@@ -70,14 +82,26 @@ impl FromStr for MethodKind {
     }
 }
 
-/// The poses of a drape as the networks see them.
-pub struct PosedSkeleton<'a> {
+/// An outfit on a body in every frame, as the methods see it.
+pub struct Wearer<'a> {
+    /// The outfit.
+    pub outfit: &'a Outfit,
+    /// Its static pass.
+    pub statics: &'a StaticPass,
+    /// Kind of every garment, or empty where the method needs none.
+    pub kinds: &'a [GarmentKind],
+    /// Its rest pose on this body, welded order, metres.
+    pub rest: &'a [Vec3],
     /// Shape of the body.
     pub shape: &'a BodyShape,
     /// For each frame the garment joints' world-from-A-pose transforms.
     pub transforms: &'a [Vec<Affine3A>],
     /// Parents of the garment joints.
     pub parents: &'a [Option<usize>],
+    /// The body in each frame.
+    pub bodies: &'a [Arc<PosedBody>],
+    /// Points of it that networks see.
+    pub seen: &'a SeenPoints,
 }
 
 /// Where a method puts the cloth, before it is turned into world positions in one place
@@ -93,6 +117,8 @@ pub enum Placement<'a> {
         /// Their weights.
         weights: &'a [[f32; INFLUENCES]],
     },
+    /// World positions of every frame, metres.
+    World(Vec<Vec<Vec3>>),
 }
 
 /// A way to drape.
@@ -103,8 +129,7 @@ pub trait Method: Sync {
     /// When a network fails or answers with an unexpected shape.
     fn dynamic_pass<'s>(
         &self,
-        statics: &'s StaticPass,
-        posed: &PosedSkeleton<'_>,
+        wearer: &Wearer<'s>,
         networks: &mut dyn Networks,
     ) -> Result<Placement<'s>, DrapeError>;
 }

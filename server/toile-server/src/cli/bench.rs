@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use toile_drape::methods::MethodKind;
+use toile_drape::methods::{GarmentKind, MethodKind};
 use toile_drape::network::Networks;
 use toile_onnx::OnnxNetworks;
 
@@ -12,7 +12,7 @@ use super::{Failure, Parts};
 use crate::assets::Assets;
 use crate::requests::{DrapeBody, PoseRequest};
 use crate::server_timing::milliseconds_since;
-use crate::upload::Upload;
+use crate::upload::{Kinds, Upload};
 use crate::wardrobe::Prepared;
 use crate::{draping, gallery};
 
@@ -31,6 +31,9 @@ pub struct Bench {
     /// Seconds to measure each method for
     #[arg(long, default_value_t = 3.0, value_name = "SECONDS")]
     seconds: f32,
+    /// Measure garnet too, every garment being of this kind: tee, sweater, dress or jeans
+    #[arg(long, value_name = "KIND")]
+    kind: Option<GarmentKind>,
     #[command(flatten)]
     parts: Parts,
 }
@@ -55,24 +58,26 @@ impl Bench {
         let path = self.outfit.clone().map_or_else(|| benchmark_outfit(&artifacts.join("gallery")), Ok)?;
         let assets = Assets::load(&artifacts)?;
         let mut networks = OnnxNetworks::load(&artifacts, &self.parts.onnxruntime()?)?;
-        let prepared = prepare(&path, &assets, &mut networks)?;
-        for method in MethodKind::ALL {
+        let mut prepared = prepare(&path, &assets, &mut networks)?;
+        let names = prepared.outfit.garments.iter().map(|garment| garment.name.clone());
+        prepared.kinds = names.zip(self.kind.into_iter().cycle()).collect();
+        let methods = MethodKind::ALL.into_iter().filter(|m| *m != MethodKind::Garnet || self.kind.is_some());
+        let mut columns = Vec::new();
+        for method in methods {
             eprintln!("measuring {method} …");
             let request = self.request(method);
             // The first drape fills caches.
             draping::drape(&assets, &prepared, &request, &mut networks)?;
+            let time = Duration::try_from_secs_f32(self.seconds)?;
+            columns.push((method, repeat(time, &assets, &prepared, &request, &mut networks)?));
         }
-        let time = Duration::try_from_secs_f32(self.seconds)?;
-        let measure = |method, networks: &mut OnnxNetworks| {
-            repeat(time, &assets, &prepared, &self.request(method), networks)
-        };
-        let basis = measure(MethodKind::Deepsd, &mut networks)?;
-        let printed = measure(MethodKind::DeepsdConcat, &mut networks)?;
-        let skinning = measure(MethodKind::Skinning, &mut networks)?;
-        print_table(&[("deepsd", &basis), ("deepsd-concat", &printed), ("skinning", &skinning)]);
-        let ratio = printed.stage("dynamic") / basis.stage("dynamic");
-        println!("\ndynamic pass: deepsd is {ratio:.0} times as fast as deepsd-concat");
-        println!("warm drapes with GLB: {:.0} a second on one core", 1e3 / basis.whole);
+        print_table(&columns);
+        let of = |method| columns.iter().find(|column| column.0 == method).map(|column| &column.1);
+        if let (Some(basis), Some(printed)) = (of(MethodKind::Deepsd), of(MethodKind::DeepsdConcat)) {
+            let ratio = printed.stage("dynamic") / basis.stage("dynamic");
+            println!("\ndynamic pass: deepsd is {ratio:.0} times as fast as deepsd-concat");
+            println!("warm drapes with GLB: {:.0} a second on one core", 1e3 / basis.whole);
+        }
         Ok(())
     }
 
@@ -115,7 +120,7 @@ fn prepare(path: &Path, assets: &Assets, networks: &mut dyn Networks) -> Result<
     );
     println!("| once per outfit | ms |\n|---|---:|");
     println!("| read and build | {build:.1} |\n| static pass | {:.1} |\n", median(&mut times));
-    Ok(Prepared::new(outfit, statics))
+    Ok(Prepared::new(outfit, statics, Kinds::new()))
 }
 
 fn repeat(
@@ -149,12 +154,12 @@ fn median(times: &mut [f64]) -> f64 {
     times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-fn print_table(columns: &[(&str, &Measured)]) {
+fn print_table(columns: &[(MethodKind, Measured)]) {
     let row = |head: &str, cell: &dyn Fn(&Measured) -> String| {
         let cells: Vec<String> = columns.iter().map(|(_, measured)| cell(measured)).collect();
         println!("| {head} | {} |", cells.join(" | "));
     };
-    let heads: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let heads: Vec<&str> = columns.iter().map(|(method, _)| method.name()).collect();
     println!("| stage, median ms | {} |\n|---|{}", heads.join(" | "), "---:|".repeat(columns.len()));
     let names = columns.first().map_or(&[][..], |(_, measured)| measured.stages.as_slice());
     for (name, _) in names {

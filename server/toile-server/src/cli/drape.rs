@@ -32,7 +32,7 @@ pub struct DrapeFile {
     /// Name of a motion, instead of a pose
     #[arg(long, value_name = "NAME", conflicts_with = "pose")]
     motion: Option<String>,
-    /// deepsd, deepsd-concat or skinning
+    /// deepsd, deepsd-concat, garnet or skinning; garnet needs `kinds` in the metadata
     #[arg(long, default_value = "deepsd", value_name = "METHOD")]
     method: String,
     /// What the GLB holds
@@ -90,7 +90,7 @@ impl DrapeFile {
         let (outfit, report) = upload.read(&std::fs::read(&self.outfit)?, assets)?;
         report.notes.iter().for_each(|note| eprintln!("  {note}"));
         let statics = assets.studio.static_pass(&outfit, &upload.fitted_on(assets)?, networks)?;
-        Ok(Prepared::new(outfit, statics))
+        Ok(Prepared::new(outfit, statics, upload.metadata.kinds))
     }
 
     async fn prepare_stored(&self) -> Result<Arc<Prepared>, Failure> {

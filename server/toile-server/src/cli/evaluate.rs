@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Deserialize;
 use toile_drape::evaluation::{Figures, crossed, turned};
-use toile_drape::methods::MethodKind;
+use toile_drape::methods::{GarmentKind, MethodKind};
 use toile_drape::network::Networks;
 use toile_drape::outfit::Outfit;
 use toile_drape::pipeline::{DrapeRequest, Motion, drape};
@@ -27,9 +27,12 @@ pub struct Evaluate {
     /// Bodies and poses [default: evaluation.json of the artifacts]
     #[arg(long, value_name = "FILE")]
     set: Option<PathBuf>,
-    /// deepsd, deepsd-concat or skinning
+    /// deepsd, deepsd-concat, garnet or skinning
     #[arg(long, default_value = "deepsd", value_name = "METHOD")]
     method: String,
+    /// Kind of every garment, for garnet: tee, sweater, dress or jeans
+    #[arg(long, value_name = "KIND")]
+    kind: Option<GarmentKind>,
     /// Use only this many poses of the set
     #[arg(long, value_name = "N")]
     poses: Option<usize>,
@@ -80,7 +83,11 @@ impl Evaluate {
             "| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max | turned over % mean / worst | self-crossed % rest / before / after | layers crossed % |"
         );
         println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-        let judge = Judge { assets: &assets, method, motions: &motions, keep: self.keep.as_deref() };
+        if method == MethodKind::Garnet && self.kind.is_none() {
+            return Err("the method garnet needs --kind".into());
+        }
+        let (kind, keep) = (self.kind, self.keep.as_deref());
+        let judge = Judge { assets: &assets, method, kind, motions: &motions, keep };
         let mut rows = Vec::new();
         for path in &self.outfits {
             let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
@@ -113,6 +120,7 @@ struct Draped {
 struct Judge<'a> {
     assets: &'a Assets,
     method: MethodKind,
+    kind: Option<GarmentKind>,
     motions: &'a [Motion],
     keep: Option<&'a Path>,
 }
@@ -123,15 +131,17 @@ impl Judge<'_> {
         let (outfit, statics) = read(path, self.assets, networks)?;
         let (mut frames, mut over, mut drapes) = (Vec::new(), Vec::new(), KeptDrapes::default());
         let (studio, method) = (&self.assets.studio, self.method);
+        let kinds = self.kind.map_or_else(Vec::new, |kind| vec![kind; outfit.garments.len()]);
         for motion in self.motions {
-            let work = DrapeRequest { outfit: &outfit, statics: &statics, motion, method, resolve: false };
+            let (outfit, statics, kinds) = (&outfit, &statics, kinds.as_slice());
+            let work = DrapeRequest { outfit, statics, motion, method, kinds, resolve: false };
             let before = drape(studio, &work, networks)?.frames;
             let after = drape(studio, &DrapeRequest { resolve: true, ..work }, networks)?.frames;
             let shaped = self.assets.shaped(&motion.shape);
             let fitted = statics.fitted(studio, &motion.shape, &shaped);
-            let measure = |f| Figures::measure(&outfit, f, &statics.edges, &fitted.lengths);
+            let measure = |f| Figures::measure(outfit, f, &statics.edges, &fitted.lengths);
             frames.extend(before.iter().map(measure).zip(after.iter().map(measure)));
-            over.extend(before.iter().zip(&after).map(|(b, a)| turned(&outfit, &b.positions, &a.positions)));
+            over.extend(before.iter().zip(&after).map(|(b, a)| turned(outfit, &b.positions, &a.positions)));
             if self.keep.is_some() {
                 drapes.add((&fitted.rest, &shaped.apose_vertices), &before, &after);
             }

@@ -1,9 +1,11 @@
 //! What the answer holds.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use toile_drape::methods::MethodKind;
+
+use crate::upload::Kinds;
 
 /// A part of the answer.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
@@ -33,6 +35,9 @@ pub struct OutputRequest {
     pub include: BTreeSet<Part>,
     /// Name of the method.
     pub(super) method: String,
+    /// Kinds of garments by their names, before what the outfit's metadata say.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub kinds: Kinds,
     /// Figures for every vertex.
     pub attributes: BTreeSet<Attribute>,
     /// Whether the outfit's pictures are embedded.
@@ -42,6 +47,12 @@ pub struct OutputRequest {
 impl Default for OutputRequest {
     fn default() -> Self {
         let include = BTreeSet::from([Part::Outfit]);
-        Self { include, method: MethodKind::Deepsd.to_string(), attributes: BTreeSet::new(), textures: true }
+        Self {
+            include,
+            method: MethodKind::Deepsd.to_string(),
+            kinds: Kinds::new(),
+            attributes: BTreeSet::new(),
+            textures: true,
+        }
     }
 }

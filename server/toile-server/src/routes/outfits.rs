@@ -16,7 +16,8 @@ use crate::errors::{ApiError, Code};
 use crate::hash::short_hash;
 use crate::json::QueryParameters;
 use crate::server_timing::ServerTiming;
-use crate::store::{GarmentSummary, StoredOutfit};
+use crate::store::{GarmentSummary, NewOutfit, StoredOutfit};
+use crate::upload::Kinds;
 
 const DEFAULT_LIMIT: i64 = 20;
 const MAX_LIMIT: i64 = 100;
@@ -30,6 +31,8 @@ struct OutfitView {
     triangles: usize,
     garments: Vec<GarmentSummary>,
     methods: Vec<String>,
+    #[serde(skip_serializing_if = "Kinds::is_empty")]
+    kinds: Kinds,
     created_at: String,
     links: Links,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,12 +62,13 @@ impl OutfitView {
                 bake: has_bake.then(|| format!("{at}/bake")),
                 own: at,
             },
+            methods: methods(&outfit),
             id: outfit.id,
             name: outfit.name,
             vertices: outfit.summary.vertices,
             triangles: outfit.summary.triangles,
             garments: outfit.summary.garments,
-            methods: MethodKind::ALL.iter().map(ToString::to_string).collect(),
+            kinds: outfit.upload.metadata.kinds,
             created_at: stored.created_at,
             report: Some(outfit.report),
         }
@@ -73,6 +77,14 @@ impl OutfitView {
     fn without_report(self) -> Self {
         Self { report: None, ..self }
     }
+}
+
+/// The methods that drape an outfit as it is: `garnet` where the kind of every garment was stated.
+fn methods(outfit: &NewOutfit) -> Vec<String> {
+    let kinds = &outfit.upload.metadata.kinds;
+    let is_known = outfit.summary.garments.iter().all(|garment| kinds.contains_key(&garment.name));
+    let able = MethodKind::ALL.into_iter().filter(|method| *method != MethodKind::Garnet || is_known);
+    able.map(|method| method.to_string()).collect()
 }
 
 fn location(id: &str) -> String {

@@ -1,0 +1,152 @@
+//! `GarNet++` (Gundogdu et al. 2020): a network of a kind of garment that sees the body as points.
+//!
+//! Equation 1: dual-quaternion skinning by the body's own weights, then a translation of every node of the canonical
+//! graph, read at the vertices. `model/garnet_scenes.py` puts the same inputs together for training.
+
+use glam::{Affine3A, Vec3};
+
+use super::{GarmentKind, Method, Placement, Wearer};
+use crate::dual_quaternions::warp;
+use crate::error::DrapeError;
+use crate::garnet_tables::{AVERAGED, POOLED};
+use crate::graph::NEIGHBOURS;
+use crate::methods::deepsd::only;
+use crate::network::{Networks, TensorRef};
+use crate::static_pass::StaticPass;
+
+/// Entries of a ring: a node and its neighbours.
+const RING: usize = NEIGHBOURS + 1;
+
+/// `GarNet++`, local variant.
+pub struct Garnet;
+
+impl Method for Garnet {
+    fn dynamic_pass<'s>(
+        &self,
+        wearer: &Wearer<'s>,
+        networks: &mut dyn Networks,
+    ) -> Result<Placement<'s>, DrapeError> {
+        let pieces = pieces(wearer)?;
+        let nodes = nodes_on_body(wearer.statics, wearer.rest);
+        let thinned: Vec<i64> = wearer.seen.thinned.as_flattened().iter().map(|&i| i64::from(i)).collect();
+        let mut frames = Vec::with_capacity(wearer.transforms.len());
+        for (transforms, body) in wearer.transforms.iter().zip(wearer.bodies) {
+            let seen: Vec<Vec3> =
+                wearer.seen.points.iter().filter_map(|&i| body.vertices.get(i as usize)).copied().collect();
+            let scene = Scene {
+                wearer,
+                thinned: &thinned,
+                seen: &seen,
+                nodes: warped_nodes(wearer, &nodes, transforms),
+            };
+            let mut moved = vec![Vec3::ZERO; nodes.len()];
+            for piece in &pieces {
+                scene.translate(piece, networks, &mut moved)?;
+            }
+            let rig = &wearer.statics.rig;
+            let mut frame = warp(wearer.rest, &rig.prior_joints, &rig.prior_weights, transforms);
+            frame
+                .iter_mut()
+                .enumerate()
+                .for_each(|(v, p)| *p += wearer.statics.vertex_from_node.blended(v, &moved));
+            frames.push(frame);
+        }
+        Ok(Placement::World(frames))
+    }
+}
+
+fn warped_nodes(wearer: &Wearer<'_>, nodes: &[Vec3], transforms: &[Affine3A]) -> Vec<Vec3> {
+    warp(nodes, &wearer.statics.nodes.joints, &wearer.statics.nodes.weights, transforms)
+}
+
+/// One garment as its network sees it: a run of nodes and their ring.
+struct Piece {
+    kind: GarmentKind,
+    nodes: Vec<usize>,
+    ring: Vec<i64>,
+    ring_weight: Vec<f32>,
+}
+
+/// Every garment with the tables that do not depend on body or pose.
+fn pieces(wearer: &Wearer<'_>) -> Result<Vec<Piece>, DrapeError> {
+    let count = wearer.outfit.garments.len();
+    if wearer.kinds.len() != count {
+        return Err(DrapeError::NoKinds { expected: count, found: wearer.kinds.len() });
+    }
+    let of_garment = |(garment, &kind): (usize, &GarmentKind)| piece(wearer.statics, garment as u32, kind);
+    Ok(wearer.kinds.iter().enumerate().map(of_garment).filter(|piece| !piece.nodes.is_empty()).collect())
+}
+
+fn piece(statics: &StaticPass, garment: u32, kind: GarmentKind) -> Piece {
+    let all = 0..statics.nodes.garment.len();
+    let nodes: Vec<usize> = all.filter(|&n| statics.nodes.garment[n] == garment).collect();
+    let mut place = vec![0; statics.near.len()];
+    nodes.iter().zip(0..).for_each(|(&n, k)| place[n] = k);
+    let (mut ring, mut ring_weight) = (Vec::new(), Vec::new());
+    for &node in &nodes {
+        let near: Vec<i64> = statics.near.row(node).map(|(n, _)| place[n]).collect();
+        let share = 1.0 / (near.len() + 1) as f32;
+        ring.push(place[node]);
+        ring.extend((0..NEIGHBOURS).map(|k| near.get(k).copied().unwrap_or(place[node])));
+        ring_weight.extend((0..RING).map(|k| if k <= near.len() { share } else { 0.0 }));
+    }
+    Piece { kind, nodes, ring, ring_weight }
+}
+
+/// Nodes of the rest pose carried to a body: they follow the vertices that read them. `rest`: vertices on that body.
+fn nodes_on_body(statics: &StaticPass, rest: &[Vec3]) -> Vec<Vec3> {
+    let count = statics.nodes.positions.len();
+    let (mut moved, mut total) = (vec![Vec3::ZERO; count], vec![0.0_f32; count]);
+    for (v, (on_body, drawn)) in rest.iter().zip(&statics.rest).enumerate() {
+        for (node, weight) in statics.vertex_from_node.row(v) {
+            moved[node] += (*on_body - *drawn) * weight;
+            total[node] += weight;
+        }
+    }
+    let carried = |((p, m), t): ((&Vec3, Vec3), f32)| *p + m / t.max(1e-9);
+    statics.nodes.positions.iter().zip(moved).zip(total).map(carried).collect()
+}
+
+/// One frame.
+struct Scene<'a> {
+    wearer: &'a Wearer<'a>,
+    thinned: &'a [i64],
+    seen: &'a [Vec3],
+    nodes: Vec<Vec3>,
+}
+
+impl Scene<'_> {
+    /// Runs a garment's network and writes the translations of its nodes.
+    fn translate(
+        &self,
+        piece: &Piece,
+        networks: &mut dyn Networks,
+        moved: &mut [Vec3],
+    ) -> Result<(), DrapeError> {
+        let nodes: Vec<Vec3> = piece.nodes.iter().map(|&n| self.nodes[n]).collect();
+        let count = nodes.len();
+        let middle = nodes.iter().sum::<Vec3>() / count as f32;
+        let pooled = self.wearer.seen.pooled(self.seen, &nodes);
+        let about =
+            |points: &[Vec3]| -> Vec<f32> { points.iter().flat_map(|p| (*p - middle).to_array()).collect() };
+        let (garment, body) = (about(&nodes), about(self.seen));
+        let thinned = [self.wearer.seen.thinned.len(), AVERAGED];
+        let graph = piece.kind.graph();
+        let answer = networks.run(
+            graph,
+            &[
+                ("garment", TensorRef::F32(&[count, 3], &garment)),
+                ("body", TensorRef::F32(&[self.seen.len(), 3], &body)),
+                ("ring", TensorRef::I64(&[count, RING], &piece.ring)),
+                ("ring_weight", TensorRef::F32(&[count, RING], &piece.ring_weight)),
+                ("thinned", TensorRef::I64(&thinned, self.thinned)),
+                ("pooled", TensorRef::I64(&[count, POOLED], &pooled)),
+            ],
+        )?;
+        let translations = only(graph, answer, 3 * count)?;
+        for (&node, t) in piece.nodes.iter().zip(translations.as_chunks::<3>().0) {
+            moved[node] = Vec3::from_array(*t);
+        }
+        Ok(())
+    }
+}
