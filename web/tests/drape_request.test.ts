@@ -1,11 +1,17 @@
 import { describe, expect, it } from "vitest";
 import { drapeRequest, parsePose, replaces, sameVertices, type Wish } from "../src/viewer/drape_request";
 
-const wish = { outfit: "abc", body: null, pose: null, motion: null, method: null, heat: null } satisfies Wish;
+const wish = { outfit: "abc", body: null, pose: null, motion: null, method: null, kinds: null, heat: null } satisfies Wish;
 
 describe("drapeRequest", () => {
   it("leaves out what is not chosen", () => {
     expect(drapeRequest(wish)).toEqual({ outfit: "abc", output: { include: ["outfit", "body"] } });
+  });
+
+  it("says the kinds of the garments to the method that needs them", () => {
+    const kinds = { shirt: "tee" } as const;
+    expect(drapeRequest({ ...wish, kinds, method: "garnet" }).output).toMatchObject({ method: "garnet", kinds });
+    expect(drapeRequest({ ...wish, kinds, method: "skinning" }).output.kinds).toBeUndefined();
   });
 
   it("asks for the heat map's attribute with a still pose, and not with a motion", () => {

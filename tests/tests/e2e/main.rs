@@ -10,6 +10,7 @@ mod connections;
 mod drape_refusals;
 mod drapes;
 mod gallery;
+mod garnet;
 mod outfits;
 mod persistence;
 mod service;

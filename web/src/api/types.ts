@@ -1,6 +1,10 @@
 /** Wire types of the HTTP API (docs/api.md). Centimetres and kilograms in measurements, metres elsewhere. */
 
-export type Method = "deepsd" | "deepsd-concat" | "skinning";
+export type Method = "deepsd" | "deepsd-concat" | "garnet" | "skinning";
+/** Kinds of garments that GarNet++ is trained on. */
+export type GarmentKind = "tee" | "sweater" | "dress" | "jeans";
+/** Kinds by the garments' names. */
+export type Kinds = Record<string, GarmentKind>;
 export type VertexAttribute = "strain" | "penetration";
 export type Quaternion = readonly [x: number, y: number, z: number, w: number];
 
@@ -34,6 +38,7 @@ export interface Outfit {
   triangles: number;
   garments: Garment[];
   methods: string[];
+  kinds?: Kinds;
   created_at: string;
   links: { self: string; static: string; thumbnail: string | null; bake: string | null };
   report?: MendingReport;
@@ -120,7 +125,7 @@ export interface DrapeRequest {
   body?: Body;
   pose?: Pose;
   motion?: string;
-  output: { include: ("outfit" | "body")[]; method?: Method; attributes?: VertexAttribute[]; textures?: boolean };
+  output: { include: ("outfit" | "body")[]; method?: Method; kinds?: Kinds; attributes?: VertexAttribute[]; textures?: boolean };
 }
 
 export interface Quality {

@@ -1,5 +1,5 @@
 import { ToileApi } from "../api/client";
-import type { Body, Method, Outfit, VertexAttribute } from "../api/types";
+import type { Body, Outfit, VertexAttribute } from "../api/types";
 import { PortraitStudio } from "../viewer/portrait";
 import type { ToileViewer } from "../viewer/element";
 import type { DrapeDetail, ViewerEventMap } from "../viewer/events";
@@ -37,7 +37,7 @@ export class FittingRoom {
   ) {
     this.insight = new InsightPanel(
       (heat: VertexAttribute | null) => { this.viewer.heat = heat; },
-      (method: Method) => { this.viewer.method = method; },
+      (choice) => this.viewer.set(choice),
     );
     this.overlay = new StageOverlay({
       look: (view) => this.viewer.look(view),
@@ -97,9 +97,8 @@ export class FittingRoom {
   private wear(outfit: Outfit, openReport = false): void {
     this.gallery.select(outfit.id);
     this.overlay.showOutfit(outfit);
-    this.insight.showOutfit(outfit);
     void this.details.show(outfit, openReport);
-    this.viewer.outfit = outfit.id;
+    this.viewer.set({ outfit: outfit.id, ...this.insight.showOutfit(outfit) });
     history.replaceState(null, "", `?outfit=${encodeURIComponent(outfit.id)}`);
   }
 

@@ -1,13 +1,8 @@
-import type { Method, Outfit, VertexAttribute } from "../api/types";
+import type { Outfit, VertexAttribute } from "../api/types";
 import type { DrapeDetail } from "../viewer/events";
 import { choiceButtons, make } from "./dom";
+import { type MethodChoice, MethodPanel } from "./method_panel";
 import { timingBar } from "./timing_bar";
-
-const METHODS: readonly { id: Method; name: string; text: string }[] = [
-  { id: "deepsd", name: "DeePSD", text: "Learned folds, in real time." },
-  { id: "deepsd-concat", name: "DeePSD, as printed", text: "The paper's per-vertex network. Slower; for comparison." },
-  { id: "skinning", name: "Skinning only", text: "Follows the bones; nothing learned." },
-];
 
 type HeatChoice = VertexAttribute | "none";
 
@@ -16,19 +11,20 @@ export class InsightPanel {
   readonly element: HTMLElement;
   private readonly quality = make("dl", { className: "facts" });
   private readonly timing = make("div");
-  private readonly inputs = new Map<Method, HTMLInputElement>();
+  private readonly methods: MethodPanel;
 
   constructor(
     private readonly onHeat: (heat: VertexAttribute | null) => void,
-    private readonly onMethod: (method: Method) => void,
+    onMethod: (choice: MethodChoice) => void,
   ) {
+    this.methods = new MethodPanel(onMethod);
     this.element = make(
       "div",
       { className: "stack" },
       section("Heat map", this.heatChoice()),
       section("This drape", this.quality),
       section("Time", this.timing),
-      section("Method", this.methodChoice()),
+      section("Method", this.methods.element),
     );
     this.timing.append(make("p", { className: "hint", textContent: "Wear an outfit to see how long it takes." }));
   }
@@ -48,9 +44,9 @@ export class InsightPanel {
     this.quality.replaceChildren(...rows.flatMap(([label, value]) => [make("dt", { textContent: label }), make("dd", { textContent: value })]));
   }
 
-  /** Offers only the methods that can drape the outfit. */
-  showOutfit(outfit: Outfit): void {
-    for (const [method, input] of this.inputs) input.disabled = !outfit.methods.includes(method);
+  /** Offers what can drape the outfit, and returns what is chosen for it. */
+  showOutfit(outfit: Outfit): MethodChoice {
+    return this.methods.showOutfit(outfit);
   }
 
   private heatChoice(): HTMLElement {
@@ -62,17 +58,6 @@ export class InsightPanel {
     const chooser = choiceButtons<HeatChoice>("Heat map", choices, "none", (value) => this.onHeat(value === "none" ? null : value));
     chooser.element.classList.add("segmented--wide");
     return chooser.element;
-  }
-
-  private methodChoice(): HTMLElement {
-    const options = METHODS.map(({ id, name, text }) => {
-      const input = make("input", { type: "radio", name: "method", value: id, checked: id === "deepsd" });
-      input.addEventListener("change", () => this.onMethod(id));
-      this.inputs.set(id, input);
-      const words = make("span", {}, make("strong", { textContent: name }), make("span", { textContent: text }));
-      return make("label", { className: "method" }, input, words);
-    });
-    return make("div", { className: "methods", role: "radiogroup", aria: { label: "Method" } }, ...options);
   }
 }
 

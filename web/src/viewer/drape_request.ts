@@ -1,4 +1,4 @@
-import type { Body, DrapeRequest, Method, Pose, VertexAttribute } from "../api/types";
+import type { Body, DrapeRequest, Kinds, Method, Pose, VertexAttribute } from "../api/types";
 
 /** What the viewer shows: the whole of a drape request, before it becomes one. */
 export interface Wish {
@@ -8,6 +8,8 @@ export interface Wish {
   /** A motion instead of a pose, such as `walk`. */
   motion: string | null;
   method: Method | null;
+  /** Kinds of the garments, for the method that needs them. */
+  kinds: Kinds | null;
   heat: VertexAttribute | null;
 }
 
@@ -22,6 +24,7 @@ export function drapeRequest(wish: Wish & { outfit: string }, textures = true): 
     output: {
       include: ["outfit", "body"],
       ...(wish.method ? { method: wish.method } : {}),
+      ...(wish.method === "garnet" && wish.kinds ? { kinds: wish.kinds } : {}),
       ...(heat ? { attributes: [heat] } : {}),
       ...(textures ? {} : { textures }),
     },

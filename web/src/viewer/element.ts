@@ -1,7 +1,7 @@
 import { type Drape, ToileApi } from "../api/client";
 import { LatestRequest, type Work } from "../api/latest_request";
 import { Problem } from "../api/problem";
-import type { Body, Method, Pose, VertexAttribute } from "../api/types";
+import type { Body, Kinds, Method, Pose, VertexAttribute } from "../api/types";
 import type { View } from "./camera_rig";
 import { drapeRequest, parseBody, parsePose, replaces, sameVertices, type Wish } from "./drape_request";
 import type { DrapeDetail, ViewerEventMap, ViewerStats } from "./events";
@@ -16,7 +16,8 @@ import style from "./viewer.css?inline";
 /**
  * `<toile-viewer api outfit body pose motion method heat>`: an outfit draped on a body, in 3D.
  *
- * Every attribute is a property too; `body` and `pose` take objects as properties. A change asks the service for a new
+ * Every attribute is a property too; `body` and `pose` take objects as properties. `kinds`, a property, says what kind of
+ * garment each one is, for the method `garnet`. A change asks the service for a new
  * drape. Events: `toile-loading`, `toile-drape`, `toile-error`, `toile-playback`.
  */
 export class ToileViewer extends HTMLElement {
@@ -29,7 +30,7 @@ export class ToileViewer extends HTMLElement {
   private client = new ToileApi();
   private stage: Stage | undefined;
   private playback: Playback | undefined;
-  private wish: Wish = { outfit: null, body: null, pose: null, motion: null, method: null, heat: null };
+  private wish: Wish = { outfit: null, body: null, pose: null, motion: null, method: null, kinds: null, heat: null };
   private shown: Wish | undefined;
   private heatSummary: HeatSummary | undefined;
   private counts = { drapes: 0, inPlaceUpdates: 0 };
@@ -100,6 +101,8 @@ export class ToileViewer extends HTMLElement {
   set motion(motion: string | null) { this.set({ motion }); }
   get method(): Method | null { return this.wish.method; }
   set method(method: Method | null) { this.set({ method }); }
+  get kinds(): Kinds | null { return this.wish.kinds; }
+  set kinds(kinds: Kinds | null) { this.set({ kinds }); }
   get heat(): VertexAttribute | null { return this.wish.heat; }
   set heat(heat: VertexAttribute | null) { this.set({ heat }); }
 

@@ -1,0 +1,87 @@
+import type { GarmentKind, Garment, Kinds, Method, Outfit } from "../api/types";
+import { make } from "./dom";
+
+const METHODS: readonly { id: Method; name: string; text: string }[] = [
+  { id: "deepsd", name: "DeePSD", text: "Learned folds, in real time, for any garment." },
+  { id: "garnet", name: "GarNet++", text: "A network for one kind of garment, which sees the body as points." },
+  { id: "deepsd-concat", name: "DeePSD, as printed", text: "The paper's per-vertex network. Slower; for comparison." },
+  { id: "skinning", name: "Skinning only", text: "Follows the bones; nothing learned." },
+];
+
+const KINDS: readonly { id: GarmentKind; name: string }[] = [
+  { id: "tee", name: "T-shirt" },
+  { id: "sweater", name: "Sweater" },
+  { id: "dress", name: "Dress" },
+  { id: "jeans", name: "Jeans" },
+];
+
+/** A way to drape, and what it needs to know of the outfit's garments. */
+export interface MethodChoice {
+  method: Method;
+  kinds: Kinds;
+}
+
+/** The way to drape. GarNet++ can be chosen once the kind of every garment is known. */
+export class MethodPanel {
+  readonly element: HTMLElement;
+  private readonly inputs = new Map<Method, HTMLInputElement>();
+  private readonly kindRows = make("div", { className: "kinds" });
+  private garments: readonly Garment[] = [];
+  private choice: MethodChoice = { method: "deepsd", kinds: {} };
+
+  constructor(private readonly onChoose: (choice: MethodChoice) => void) {
+    const options = METHODS.map((method) => this.option(method));
+    this.element = make("div", { className: "methods", role: "radiogroup", aria: { label: "Method" } }, ...options);
+  }
+
+  /** Offers what can drape the outfit, and returns what is chosen for it. */
+  showOutfit(outfit: Outfit): MethodChoice {
+    this.garments = outfit.garments;
+    this.choice = { ...this.choice, kinds: { ...outfit.kinds } };
+    this.kindRows.replaceChildren(...outfit.garments.map((garment) => this.kindRow(garment)));
+    this.refresh();
+    return this.choice;
+  }
+
+  private option({ id, name, text }: (typeof METHODS)[number]): HTMLElement {
+    const input = make("input", { type: "radio", name: "method", value: id, checked: id === this.choice.method });
+    input.addEventListener("change", () => this.choose({ method: id }));
+    this.inputs.set(id, input);
+    const words = make("span", {}, make("strong", { textContent: name }), make("span", { textContent: text }));
+    const label = make("label", { className: "method" }, input, words);
+    return id === "garnet" ? make("div", {}, label, this.kindRows) : label;
+  }
+
+  private kindRow(garment: Garment): HTMLElement {
+    const select = make("select", { name: `kind of ${garment.name}` });
+    select.append(make("option", { value: "", textContent: "another kind" }));
+    for (const { id, name } of KINDS) {
+      select.append(make("option", { value: id, textContent: name, selected: this.choice.kinds[garment.name] === id }));
+    }
+    select.addEventListener("change", () => this.setKind(garment.name, KINDS.find(({ id }) => id === select.value)?.id));
+    return make("label", {}, make("span", { textContent: `${garment.name} is a` }), select);
+  }
+
+  private setKind(garment: string, kind: GarmentKind | undefined): void {
+    const others = Object.entries(this.choice.kinds).filter(([name]) => name !== garment);
+    const was = this.choice.method;
+    this.choice = { ...this.choice, kinds: Object.fromEntries(kind ? [...others, [garment, kind]] : others) };
+    this.refresh();
+    if (was === "garnet") this.onChoose(this.choice);
+  }
+
+  private choose(change: Partial<MethodChoice>): void {
+    this.choice = { ...this.choice, ...change };
+    this.onChoose(this.choice);
+  }
+
+  /** GarNet++ needs a kind of every garment; without, DeePSD takes its place. */
+  private refresh(): void {
+    const known = this.garments.every(({ name }) => this.choice.kinds[name] !== undefined);
+    if (!known && this.choice.method === "garnet") this.choice = { ...this.choice, method: "deepsd" };
+    for (const [method, input] of this.inputs) {
+      input.disabled = method === "garnet" && !known;
+      input.checked = method === this.choice.method;
+    }
+  }
+}
