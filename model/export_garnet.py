@@ -34,9 +34,9 @@ class ExportedGarNet(nn.Module):
 
 
 def spec(kind: str, net: GarNet) -> GraphSpec:
-    """The graph of one garment, local variant; positions are less the middle of the warped garment."""
+    """The graph of one garment, local variant; positions are less the middle of the nodes, warped and at rest."""
     inputs = [
-        Port("garment", ("nodes", 3), "m", "world"),
+        Port("garment", ("nodes", 6), "m", "world, rest"),
         Port("body", ("points", 3), "m", "world"),
         Port("ring", ("nodes", RING), "index", dtype="int64"),
         Port("ring_weight", ("nodes", RING), "1"),

@@ -67,7 +67,7 @@ class Garment:
 class Scenes:
     """D drapes of one garment, each about the middle of its warped nodes."""
 
-    nodes: Tensor  # (D, M, 3) warped
+    nodes: Tensor  # (D, M, 6) warped, and at rest on the reference body less their middle
     warped: Tensor  # (D, N, 3)
     truth: Tensor  # (D, N, 3)
     body: Tensor  # (D, B, 3)
@@ -84,7 +84,10 @@ class Scenes:
     def mirrored(self) -> Scenes:
         """Left and right exchanged, which neither cloth nor gravity notices."""
         flip = torch.tensor([-1.0, 1, 1])
-        turned = (flip * x for x in (self.nodes, self.warped, self.truth, self.body, self.body_normals))
+        turned = (
+            flip.repeat(x.shape[-1] // 3) * x
+            for x in (self.nodes, self.warped, self.truth, self.body, self.body_normals)
+        )
         return Scenes(*turned, self.pooled, self.which)
 
     def near(self, garment: Garment) -> Neighbours:
@@ -137,5 +140,6 @@ def _scene(
     middle = nodes.mean(0)
     body = skin[garment.points].double().numpy()
     pooled = tables.nearest_thinned(nodes, body, garment.thinned.numpy(), POOLED)
-    about = [torch.as_tensor(x - middle, dtype=torch.float32) for x in (nodes, warped, truth, body)]
-    return (*about, normals[garment.points], torch.as_tensor(pooled, dtype=torch.int32))
+    rest = garment.nodes - garment.nodes.mean(0)
+    nodes, *others = [torch.as_tensor(x - middle, dtype=torch.float32) for x in (nodes, warped, truth, body)]
+    return (torch.cat([nodes, rest], 1), *others, normals[garment.points], torch.as_tensor(pooled, dtype=torch.int32))

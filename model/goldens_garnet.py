@@ -45,9 +45,10 @@ def tensors(sample: Sample, raw: dict[str, np.ndarray]) -> dict[str, np.ndarray]
 
 def _posed(garment: Garment, nodes: np.ndarray, warped: np.ndarray, skin: np.ndarray) -> np.ndarray:
     """One drape by the exported network, (N, 3)."""
+    rest = garment.nodes.numpy()
     middle, body = nodes.mean(0), skin[garment.points.numpy()]
     inputs = {
-        "garment": (nodes - middle).astype(np.float32),
+        "garment": np.concatenate([nodes - middle, rest - rest.mean(0)], 1).astype(np.float32),
         "body": (body - middle).astype(np.float32),
         "ring": garment.ring.numpy(),
         "ring_weight": garment.ring_weight.numpy(),

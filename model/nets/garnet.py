@@ -5,6 +5,9 @@ Verma et al. 2018), fused into a translation of every node from where dual-quate
 The variants of section 4.2: `naive` without mesh convolutions, `global` with them, `local` with the features of the
 nearest body points as well. World space, metres. P drapes of one garment over M body points.
 
+Beyond the paper, a node also says where it lies in the garment's rest pose, so that a network of few drapes knows which
+part of the garment it is, and `local` the way to the body around it.
+
 The garment's points are the N nodes of its canonical graph (`garment.graph`), not its vertices: an answer then does
 not depend on the mesh's resolution, and a fine mesh costs what a coarse one does. Translations are read at vertices.
 """
@@ -147,28 +150,28 @@ class Residual(nn.Module):
 
 
 class GarmentStream(nn.Module):
-    """Point-wise, patch-wise and global features of the warped garment, together: (P, N, 3) -> (P, N, `width`)."""
+    """Point-wise, patch-wise and global features of the warped garment, together: (P, N, 6) -> (P, N, `width`)."""
 
     def __init__(self, sizes: Sizes) -> None:
         super().__init__()
         self.align = SpatialTransformer(3, sizes)
-        self.points = Shared(3, sizes.point, sizes.point)
+        self.points = Shared(6, sizes.point, sizes.point)
         self.meet = Shared(sizes.point + sizes.whole, sizes.point)
         blocks = 0 if sizes.variant == "naive" else sizes.blocks
         self.patches = nn.ModuleList(Residual(sizes) for _ in range(blocks))
         if not blocks:
             self.plain = Shared(sizes.point, sizes.point)
         self.whole = Shared(sizes.point, sizes.whole)
-        self.width = 3 + 2 * sizes.point + sizes.whole
+        self.width = 6 + 2 * sizes.point + sizes.whole
 
     def forward(self, garment: Tensor, body: Tensor, near: Neighbours) -> Tensor:
         """body (P, whole): global features of the body, repeated for each node."""
-        count = garment.shape[1]
-        point = self.points(self.align(garment))
+        count, (warped, rest) = garment.shape[1], garment.split(3, -1)
+        point = self.points(torch.cat([self.align(warped), rest], -1))
         # Convolutions of the body's features, alike at every node, would be most of the work: they are mixed in before.
         h = self.meet(torch.cat([point, body[:, None].expand(-1, count, -1)], -1))
         for block in self.patches:
-            h = block(h, garment, near)
+            h = block(h, warped, near)
         if not self.patches:
             h = self.plain(h)
         whole = self.whole(h).amax(1)
@@ -182,23 +185,37 @@ class GarNet(nn.Module):
         super().__init__()
         self.sizes = sizes
         self.body, self.garment = BodyStream(sizes), GarmentStream(sizes)
-        local = sizes.point if sizes.variant == "local" else 0
+        local = sizes.point + 6 if sizes.variant == "local" else 0
         self.fusion = Shared(self.garment.width + sizes.whole + local, *sizes.fused, 3, last=True)
         nn.init.zeros_(self.fusion.layers[-1].weight)
         nn.init.zeros_(self.fusion.layers[-1].bias)
 
     def forward(self, garment: Tensor, body: Tensor, near: Neighbours) -> Tensor:
-        """garment (P, N, 3) warped, body (P, M, 3), both less the same origin -> translations (P, N, 3), metres."""
+        """Metres: garment (P, N, 6), body (P, M, 3) -> translations (P, N, 3).
+
+        A node is where it is warped to, less the origin that the body's points have too, and where it is at rest.
+        """
         garment, body = garment / LENGTH_UNIT, body / LENGTH_UNIT
         points, whole = self.body(body)
         parts = [self.garment(garment, whole, near), whole[:, None].expand(-1, garment.shape[1], -1)]
         if self.sizes.variant == "local":
-            parts.append(pooled(points, near))
+            parts += [pooled(points, near), way_to_body(garment[..., :3], body, near)]
         return self.fusion(torch.cat(parts, -1)) * OFFSET_UNIT
+
+
+def around(points: Tensor, near: Neighbours) -> Tensor:
+    """Thinned values of body points (P, M, F) around each garment node, nearest first, (P, N, POOLED, F)."""
+    thin = points[:, near.thinned].mean(2)
+    drapes = torch.arange(thin.shape[0])[:, None, None]
+    return thin[drapes, near.pooled]
 
 
 def pooled(points: Tensor, near: Neighbours) -> Tensor:
     """Largest features among the body points around each garment node, (P, N, point) (Figure 5)."""
-    thin = points[:, near.thinned].mean(2)
-    drapes = torch.arange(thin.shape[0])[:, None, None]
-    return thin[drapes, near.pooled].amax(2)
+    return around(points, near).amax(2)
+
+
+def way_to_body(warped: Tensor, body: Tensor, near: Neighbours) -> Tensor:
+    """From each node (P, N, 3) to the nearest thinned body point and to the middle of those around it, (P, N, 6)."""
+    points = around(body, near)
+    return torch.cat([points[:, :, 0], points.mean(2)], -1) - warped.repeat(1, 1, 2)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from .fabrics import Fabric, hex_colour
+from .garnet_garments import PATTERNS
 from .ornaments import Trimming
 from .pattern import Pattern
 
@@ -21,6 +23,7 @@ class Demo:
     pieces: tuple[tuple[Pattern | Trimming, Fabric], ...]
     density: int = 2600
     benchmark: bool = False
+    kinds: Mapping[str, str] = field(default_factory=dict)  # by piece, of those that GarNet drapes
 
 
 def _fabric(weave: str, *codes: str, tile: float = 0.12, sheen: float = 0.2, roughness: float = 0.88) -> Fabric:
@@ -68,6 +71,7 @@ def _tee_and_chinos() -> Demo:
         "Linen T-shirt and chinos",
         "A soft linen T-shirt worn loose over straight cotton chinos.",
         ((_chinos(), _fabric("plain", "#b59a72")), (_tee(), _fabric("linen", "#e9e4d8"))),
+        kinds={"trousers": "jeans", "T-shirt": "tee"},
     )
 
 
@@ -333,6 +337,27 @@ def _ball_gown() -> Demo:
     )
 
 
+def _sweater_and_jeans() -> Demo:
+    return Demo(
+        "Sweater and jeans",
+        "A loose rust-coloured sweater over faded straight jeans.",
+        (
+            (replace(PATTERNS["jeans"], name="jeans"), _fabric("denim", "#3c5574", "#a9b9cc", tile=0.05)),
+            (PATTERNS["sweater"], _fabric("herringbone", "#a9532f", "#b9653f", tile=0.03, sheen=0.35)),
+        ),
+        kinds={"jeans": "jeans", "sweater": "sweater"},
+    )
+
+
+def _tea_dress() -> Demo:
+    return Demo(
+        "Tea dress",
+        "A knee-length dress with short sleeves and a softly flared skirt.",
+        ((PATTERNS["dress"], _fabric("floral", "#2f4f5c", "#e7d9c3", "#c96f5a", "#7fa08b", "#f6efe2", tile=0.26)),),
+        kinds={"dress": "dress"},
+    )
+
+
 DEMOS = (
     _tee_and_chinos,
     _oxford_and_jeans,
@@ -346,5 +371,7 @@ DEMOS = (
     _cardigan,
     _weekend,
     _pencil,
+    _sweater_and_jeans,
+    _tea_dress,
     _ball_gown,
 )

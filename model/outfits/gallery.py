@@ -37,6 +37,7 @@ def write_demo(demo: Demo, out: Path) -> dict:
         "vertices": sum(len(g.vertices) for g in garments),
         "triangles": sum(len(g.triangles) for g in garments),
     }
+    entry |= {"kinds": dict(demo.kinds)} if demo.kinds else {}
     return entry | ({"benchmark": True} if demo.benchmark else {})
 
 

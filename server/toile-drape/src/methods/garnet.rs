@@ -63,6 +63,8 @@ fn warped_nodes(wearer: &Wearer<'_>, nodes: &[Vec3], transforms: &[Affine3A]) ->
 struct Piece {
     kind: GarmentKind,
     nodes: Vec<usize>,
+    /// Where they are at rest, less their middle.
+    rest: Vec<Vec3>,
     ring: Vec<i64>,
     ring_weight: Vec<f32>,
 }
@@ -90,7 +92,9 @@ fn piece(statics: &StaticPass, garment: u32, kind: GarmentKind) -> Piece {
         ring.extend((0..NEIGHBOURS).map(|k| near.get(k).copied().unwrap_or(place[node])));
         ring_weight.extend((0..RING).map(|k| if k <= near.len() { share } else { 0.0 }));
     }
-    Piece { kind, nodes, ring, ring_weight }
+    let drawn = || nodes.iter().map(|&n| statics.nodes.positions[n]);
+    let middle = drawn().sum::<Vec3>() / nodes.len().max(1) as f32;
+    Piece { kind, rest: drawn().map(|p| p - middle).collect(), nodes, ring, ring_weight }
 }
 
 /// Nodes of the rest pose carried to a body: they follow the vertices that read them. `rest`: vertices on that body.
@@ -127,15 +131,15 @@ impl Scene<'_> {
         let count = nodes.len();
         let middle = nodes.iter().sum::<Vec3>() / count as f32;
         let pooled = self.wearer.seen.pooled(self.seen, &nodes);
-        let about =
-            |points: &[Vec3]| -> Vec<f32> { points.iter().flat_map(|p| (*p - middle).to_array()).collect() };
-        let (garment, body) = (about(&nodes), about(self.seen));
+        let body: Vec<f32> = self.seen.iter().flat_map(|p| (*p - middle).to_array()).collect();
+        let rows = nodes.iter().zip(&piece.rest).map(|(p, rest)| [(*p - middle).to_array(), rest.to_array()]);
+        let garment: Vec<f32> = rows.flatten().flatten().collect();
         let thinned = [self.wearer.seen.thinned.len(), AVERAGED];
         let graph = piece.kind.graph();
         let answer = networks.run(
             graph,
             &[
-                ("garment", TensorRef::F32(&[count, 3], &garment)),
+                ("garment", TensorRef::F32(&[count, 6], &garment)),
                 ("body", TensorRef::F32(&[self.seen.len(), 3], &body)),
                 ("ring", TensorRef::I64(&[count, RING], &piece.ring)),
                 ("ring_weight", TensorRef::F32(&[count, RING], &piece.ring_weight)),
