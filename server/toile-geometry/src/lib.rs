@@ -10,5 +10,6 @@ pub mod nearest;
 pub mod normals;
 pub mod pose;
 pub mod poses;
+pub mod scan;
 pub mod skeleton;
 pub mod skinning;

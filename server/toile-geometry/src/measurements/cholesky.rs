@@ -3,7 +3,7 @@
 /// Solves A x = b for a symmetric positive definite A (n rows of n); `None` when A is not, or sizes differ.
 ///
 /// Cholesky factorisation A = L Lᵀ (Golub & Van Loan, *Matrix Computations*, §4.2).
-pub(super) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
+pub(crate) fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
     let n = b.len();
     if a.len() != n || a.iter().any(|row| row.len() != n) {
         return None;

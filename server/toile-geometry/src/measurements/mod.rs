@@ -3,7 +3,7 @@
 //! Where each tape lies, after ISO 8559-1:2017, is fixed by `model/body/measurements.py` and baked into
 //! the body file; here tapes are read, measured and solved for. Centimetres and kilograms.
 
-mod cholesky;
+pub(crate) mod cholesky;
 mod linear_points;
 mod solve;
 mod tape;

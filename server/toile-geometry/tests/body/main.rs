@@ -6,6 +6,7 @@ mod anny_parity;
 mod body_file;
 mod measuring;
 mod posing;
+mod scanning;
 
 use std::path::PathBuf;
 use std::sync::OnceLock;

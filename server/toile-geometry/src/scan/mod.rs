@@ -1,0 +1,197 @@
+//! The parametric body that is nearest to a scan: a mesh of a person of any topology, standing about in the A-pose.
+//!
+//! Points of the body are drawn to the planes of the nearest scan points that face the same way (Chen and Medioni 1992),
+//! by damped Gauss-Newton steps over shape, place and the lift of arms and legs. What the scan leaves open stays
+//! average. Metres, glTF axes.
+
+mod surface;
+mod unknowns;
+
+use glam::Vec3;
+use thiserror::Error;
+
+use self::surface::Surface;
+use self::unknowns::{COUNT, Unknowns};
+use crate::body::{Body, BodyShape};
+use crate::measurements::cholesky;
+use crate::mesh::Mesh;
+use crate::normals::vertex_normals;
+
+/// Heights of people, metres.
+const HEIGHTS: std::ops::RangeInclusive<f32> = 1.0..=2.4;
+/// Fewest vertices of a scan.
+const FEWEST: usize = 500;
+/// Steps, and how far from the body scan points are believed at the first and at the last one, metres.
+const STEPS: usize = 16;
+const REACH: (f32, f32) = (0.20, 0.03);
+/// Of every so many body vertices one is compared.
+const STRIDE: usize = 9;
+/// Mean distance and share of the body without a counterpart beyond which a scan is no body, metres and percent.
+const FARTHEST: f32 = 0.025;
+const MOST_UNSEEN: f32 = 40.0;
+/// Step of the difference quotients.
+const DIFFERENCE: f32 = 1e-2;
+
+/// The body of a scan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanFit {
+    /// Its shape.
+    pub shape: BodyShape,
+    /// Mean distance of the body from the scan where the scan has a counterpart, metres.
+    pub distance: f32,
+    /// Share of the body for which the scan has no counterpart within 3 cm, percent.
+    pub unseen_percent: f32,
+}
+
+/// Why a mesh is no scan of a body. Every message says what to do about it.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ScanError {
+    /// Too small a mesh.
+    #[error("the mesh has {found} vertices; a scan of a body has {FEWEST} at the least")]
+    TooCoarse {
+        /// Vertices found.
+        found: usize,
+    },
+    /// Nothing with an area.
+    #[error("the mesh has no triangles with an area")]
+    NoTriangles,
+    /// The size fits no person.
+    #[error(
+        "the mesh is {height:.2} m high; state its `units` (m, cm, mm or in) and the `up` axis, or crop it to the person"
+    )]
+    Height {
+        /// Its height, metres.
+        height: f32,
+    },
+    /// Nothing like a person in the A-pose.
+    #[error(
+        "the mesh is no person in the A-pose, facing +Z: the nearest body is {:.0} mm off and {unseen_percent:.0} % of it have no counterpart; GET /v1/body/reference.glb shows the pose",
+        1e3 * distance
+    )]
+    NotABody {
+        /// Mean distance of what was matched, metres.
+        distance: f32,
+        /// Share of the body without a counterpart, percent.
+        unseen_percent: f32,
+    },
+}
+
+/// The body nearest to a scan, in about a second.
+///
+/// # Errors
+/// [`ScanError`] where the mesh is no scan of a person.
+pub fn fit(body: &Body, scan: &Mesh) -> Result<ScanFit, ScanError> {
+    if scan.positions.len() < FEWEST {
+        return Err(ScanError::TooCoarse { found: scan.positions.len() });
+    }
+    let surface = Surface::new(scan).ok_or(ScanError::NoTriangles)?;
+    let bounds =
+        |pick: fn(Vec3, Vec3) -> Vec3| surface.points().iter().copied().reduce(pick).unwrap_or_default();
+    let (low, high) = (bounds(Vec3::min), bounds(Vec3::max));
+    let height = high.y - low.y;
+    if !HEIGHTS.contains(&height) {
+        return Err(ScanError::Height { height });
+    }
+    let mut unknowns = Unknowns::standing(body, height, low, high);
+    let compared = Compared::new(body);
+    let first = compared.posed(&unknowns);
+    let surface = surface.turned_like(&first.points, &first.normals);
+    for step in 0..STEPS {
+        let share = step as f32 / (STEPS - 1) as f32;
+        let reach = REACH.0 * (REACH.1 / REACH.0).powf(share);
+        compared.step(&mut unknowns, &surface, reach);
+    }
+    compared.judged(&unknowns, &surface)
+}
+
+/// The vertices of the body that are compared with a scan.
+struct Compared<'a> {
+    body: &'a Body,
+    vertices: Vec<u32>,
+    /// Share of the body's area around each of them.
+    area: Vec<f32>,
+}
+
+/// Where they are.
+struct Posed {
+    points: Vec<Vec3>,
+    normals: Vec<Vec3>,
+}
+
+impl<'a> Compared<'a> {
+    fn new(body: &'a Body) -> Self {
+        let shaped = body.shape(&BodyShape::default());
+        let vertices: Vec<u32> = (0..body.vertex_count() as u32).step_by(STRIDE).collect();
+        let mut around = vec![0.0_f32; body.vertex_count()];
+        for &triangle in body.triangles() {
+            let [a, b, c] = triangle.map(|i| shaped.apose_vertices[i as usize]);
+            let third = (b - a).cross(c - a).length() / 6.0;
+            triangle.iter().for_each(|&i| around[i as usize] += third);
+        }
+        let chosen: Vec<f32> = vertices.iter().map(|&v| around[v as usize]).collect();
+        let total: f32 = chosen.iter().sum();
+        Self { body, vertices, area: chosen.iter().map(|a| a / total).collect() }
+    }
+
+    fn points(&self, unknowns: &Unknowns) -> Vec<Vec3> {
+        let (shaped, pose) = unknowns.shaped_and_posed(self.body);
+        let world = self.body.world_joints(&shaped, &pose);
+        self.body.posed_subset(&shaped, &world, &self.vertices)
+    }
+
+    fn posed(&self, unknowns: &Unknowns) -> Posed {
+        let (shaped, pose) = unknowns.shaped_and_posed(self.body);
+        let all = self.body.posed_vertices(&shaped, &self.body.world_joints(&shaped, &pose));
+        let normals = vertex_normals(&all, self.body.triangles());
+        let pick = |from: &[Vec3]| self.vertices.iter().map(|&v| from[v as usize]).collect();
+        Posed { points: pick(&all), normals: pick(&normals) }
+    }
+
+    /// One damped Gauss-Newton step towards scan points within `reach` metres.
+    fn step(&self, unknowns: &mut Unknowns, surface: &Surface, reach: f32) {
+        let here = self.posed(unknowns);
+        let rows: Vec<(usize, Vec3, f64, f64)> = (0..here.points.len())
+            .filter_map(|i| {
+                let (target, normal) = surface.facing(here.points[i], here.normals[i])?;
+                let way = here.points[i] - target;
+                let trust = self.area[i] / (1.0 + (3.0 * way.length() / reach).powi(2));
+                (way.length() < reach).then(|| (i, normal, f64::from(way.dot(normal)), f64::from(trust)))
+            })
+            .collect();
+        let columns: Vec<Vec<Vec3>> = (0..COUNT)
+            .map(|k| {
+                let moved = self.points(&unknowns.moved(k, DIFFERENCE));
+                moved.iter().zip(&here.points).map(|(a, b)| (*a - *b) / DIFFERENCE).collect()
+            })
+            .collect();
+        let (mut matrix, mut right) = unknowns.pull();
+        for &(i, normal, lack, trust) in &rows {
+            let slope: Vec<f64> = columns.iter().map(|c| f64::from(c[i].dot(normal))).collect();
+            for (k, s) in slope.iter().enumerate() {
+                right[k] -= trust * s * lack;
+                matrix[k].iter_mut().zip(&slope).for_each(|(m, t)| *m += trust * s * t);
+            }
+        }
+        if let Some(change) = cholesky::solve(matrix, right) {
+            unknowns.change(&change);
+        }
+    }
+
+    fn judged(&self, unknowns: &Unknowns, surface: &Surface) -> Result<ScanFit, ScanError> {
+        let here = self.posed(unknowns);
+        let (mut distance, mut seen) = (0.0, 0.0);
+        for ((point, normal), area) in here.points.iter().zip(&here.normals).zip(&self.area) {
+            if let Some((target, facing)) = surface.facing(*point, *normal)
+                && point.distance(target) < REACH.1
+            {
+                distance += area * (*point - target).dot(facing).abs();
+                seen += area;
+            }
+        }
+        let (distance, unseen_percent) = (distance / f32::max(seen, 1e-6), 100.0 * (1.0 - seen));
+        if distance > FARTHEST || unseen_percent > MOST_UNSEEN {
+            return Err(ScanError::NotABody { distance, unseen_percent });
+        }
+        Ok(ScanFit { shape: unknowns.shape(), distance, unseen_percent })
+    }
+}
