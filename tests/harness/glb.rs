@@ -65,6 +65,17 @@ impl Glb {
         self.view(self.primitive(node)["indices"].as_u64().expect("indices")).to_vec()
     }
 
+    /// Triangles of a node's mesh.
+    #[track_caller]
+    pub fn triangles(&self, node: &str) -> Vec<[u32; 3]> {
+        let accessor = self.primitive(node)["indices"].as_u64().expect("indices");
+        let width = if self.json["accessors"][accessor as usize]["componentType"] == 5123 { 2 } else { 4 };
+        let bytes = self.index_bytes(node);
+        let index = |b: &[u8]| b.iter().rev().fold(0, |sum, byte| sum << 8 | u32::from(*byte));
+        let all: Vec<u32> = bytes.chunks_exact(width).map(index).collect();
+        all.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect()
+    }
+
     fn floats(&self, accessor: u64) -> Vec<f32> {
         let described = &self.json["accessors"][accessor as usize];
         assert_eq!(described["componentType"], 5126, "not floats");

@@ -5,6 +5,7 @@ use toile_drape::outfit_build::OutfitError;
 use toile_geometry::body::BodyError;
 use toile_geometry::measurements::MeasurementError;
 use toile_geometry::pose::PoseError;
+use toile_geometry::scan::ScanError;
 use toile_gltf::ReadError;
 
 use crate::errors::{ApiError, Code};
@@ -55,6 +56,17 @@ impl From<BodyError> for ApiError {
             BodyError::File(_) => return Self::internal(error),
         };
         Self::new(code, sentence(&error)).at(member(name))
+    }
+}
+
+impl From<ScanError> for ApiError {
+    fn from(error: ScanError) -> Self {
+        let code = match &error {
+            ScanError::NoTriangles => Code::NoTriangles,
+            ScanError::Height { .. } => Code::WrongUnits,
+            ScanError::TooCoarse { .. } | ScanError::NotABody { .. } => Code::NotABody,
+        };
+        Self::new(code, sentence(&error)).at("/file")
     }
 }
 

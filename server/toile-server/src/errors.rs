@@ -49,6 +49,7 @@ pub enum Code {
     OffBody,
     InvalidBake,
     UnknownKind,
+    NotABody,
     MeasurementOutOfRange,
     MeasurementUnits,
     UnreachableMeasurements,
@@ -135,6 +136,7 @@ impl Code {
             }
             Self::OffBody => (S::UNPROCESSABLE_ENTITY, "off-body", "The outfit is not on the body"),
             Self::InvalidBake => (S::UNPROCESSABLE_ENTITY, "invalid-bake", "The bake cannot be used"),
+            Self::NotABody => (S::UNPROCESSABLE_ENTITY, "not-a-body", "The mesh is no scan of a body"),
             Self::UnknownKind => {
                 (S::UNPROCESSABLE_ENTITY, "unknown-kind", "The method does not know this kind of garment")
             }

@@ -18,6 +18,7 @@ mod measurements;
 mod request_id;
 mod requests;
 mod routes;
+mod scan;
 mod server_timing;
 mod service;
 mod static_files;

@@ -105,15 +105,23 @@ pub fn check_names(kinds: &Kinds, outfit: &Outfit) -> Result<(), ApiError> {
     }
 }
 
+/// What a file's metadata state about its units and its up-axis.
+///
+/// # Errors
+/// `invalid-field` for units and axes that there are not.
+pub fn hints(units: Option<&str>, up: Option<&str>) -> Result<Hints, ApiError> {
+    let invalid = |field: &str| {
+        let pointer = format!("/metadata/{field}");
+        move |detail: String| ApiError::new(Code::InvalidField, detail).at(pointer)
+    };
+    Ok(Hints {
+        units: units.map(str::parse).transpose().map_err(invalid("units"))?,
+        up: up.map(str::parse).transpose().map_err(invalid("up"))?,
+    })
+}
+
 impl Metadata {
     fn hints(&self) -> Result<Hints, ApiError> {
-        let invalid = |field: &str| {
-            let pointer = format!("/metadata/{field}");
-            move |detail: String| ApiError::new(Code::InvalidField, detail).at(pointer)
-        };
-        Ok(Hints {
-            units: self.units.as_deref().map(str::parse).transpose().map_err(invalid("units"))?,
-            up: self.up.as_deref().map(str::parse).transpose().map_err(invalid("up"))?,
-        })
+        hints(self.units.as_deref(), self.up.as_deref())
     }
 }

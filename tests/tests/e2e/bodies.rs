@@ -1,7 +1,7 @@
 //! The body: parameters, reference mesh, measurements, poses.
 
 use serde_json::{Value, json};
-use toile_tests::{Glb, Server, assert_valid_glb};
+use toile_tests::{Form, Glb, Mesh, Server, assert_valid_glb, skirt};
 
 const MEASUREMENTS: [&str; 11] = [
     "height",
@@ -160,4 +160,72 @@ fn the_poses_and_motions_are_listed_and_a_pose_can_be_sent_back() {
     let drop = |positions: &[[f32; 3]]| positions[0][1] - positions[positions.len() - 1][1];
     assert!((drop(&sent_back) - drop(&by_name)).abs() < 0.01);
     server.get("/v1/poses/moonwalk").assert_problem(404, "not-found", None);
+}
+
+/// The draped body of some values as a mesh of other vertices and triangles: every second of its triangles, unwelded.
+fn scan_of(server: &Server, values: &Value) -> Mesh {
+    let body = json!({"kind": "phenotypes", "values": values});
+    let outfit = server.upload_skirt();
+    let request = json!({"outfit": outfit, "body": body, "output": {"include": ["body"]}});
+    let glb = Glb::parse(&server.drape(&request).with_status(200).bytes);
+    let (positions, triangles) = (glb.positions("body"), glb.triangles("body"));
+    let corners: Vec<[f32; 3]> =
+        triangles.iter().step_by(2).flatten().map(|&i| positions[i as usize]).collect();
+    let count = corners.len() as u32;
+    Mesh { positions: corners, triangles: (0..count / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect() }
+}
+
+#[test]
+fn a_scan_becomes_the_body_that_is_nearest_to_it() {
+    let server = Server::shared();
+    let values = json!({"gender": 1.0, "weight": 0.7, "height": 0.35});
+    let due = server.drape_json(
+        &json!({"outfit": server.upload_skirt(), "body": {"kind": "phenotypes", "values": values}}),
+    );
+    let scan = scan_of(&server, &values).map(|p| p.map(|x| 100.0 * x));
+    for form in [
+        Form::file("scan.obj", &scan.obj()),
+        Form::file("scan.glb", &scan.glb()).metadata(&json!({"units": "cm"})),
+    ] {
+        let (kind, bytes) = form.encode();
+        let answer =
+            server.request("POST", "/v1/bodies", &[("content-type", &kind)], &bytes).with_status(200).json();
+        assert!(answer["scan"]["distance_mm"].as_f64().unwrap() < 5.0, "{}", answer["scan"]);
+        assert!(answer["scan"]["unseen_percent"].as_f64().unwrap() < 10.0, "{}", answer["scan"]);
+        for name in MEASUREMENTS.iter().filter(|name| **name != "weight") {
+            let (got, due) =
+                (&answer["measurements"][name]["achieved"], &due.json()["body"]["measurements"][name]);
+            assert!(
+                (got.as_f64().unwrap() - due.as_f64().unwrap()).abs() < 1.5,
+                "{name}: {got} instead of {due}"
+            );
+        }
+        server.drape(&json!({"outfit": server.upload_skirt(), "body": answer["shape"]})).with_status(200);
+    }
+}
+
+#[test]
+fn what_is_no_scan_is_refused() {
+    let server = Server::shared();
+    let post = |form: Form| {
+        let (kind, bytes) = form.encode();
+        server.request("POST", "/v1/bodies", &[("content-type", &kind)], &bytes)
+    };
+    let cloth = skirt(1.0).glb();
+    post(Form::file("a.glb", &cloth)).assert_problem(422, "wrong-units", Some("/file"));
+    let tower = skirt(1.0).map(|[x, y, z]| [x, 3.0 * (y - 0.58), z]).glb();
+    let stated = Form::file("a.glb", &tower).metadata(&json!({"units": "m", "up": "y"}));
+    post(stated).assert_problem(422, "not-a-body", Some("/file"));
+    post(Form::file("a.glb", b"glTF")).assert_problem(422, "truncated", Some("/file"));
+    post(Form::file("a.glb", &cloth).metadata(&json!({"units": "ell"}))).assert_problem(
+        400,
+        "invalid-field",
+        Some("/metadata/units"),
+    );
+    post(Form::file("a.glb", &cloth).metadata(&json!({"name": "Ada"}))).assert_problem(
+        400,
+        "unknown-field",
+        Some("/metadata/name"),
+    );
+    post(Form::default()).assert_problem(400, "missing-field", Some("/file"));
 }

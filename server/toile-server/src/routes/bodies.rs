@@ -4,21 +4,23 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::State;
-use axum::http::HeaderMap;
+use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
+use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use toile_geometry::body::BodyShape;
-use toile_geometry::measurements::{MeasurementInfo, Solution};
+use toile_geometry::measurements::{MeasurementInfo, Solution, measure};
 use toile_gltf::write_body;
 
 use super::App;
 use super::answer::{Etag, GLB, REVALIDATE};
+use super::multipart::UploadForm;
 use crate::assets::Assets;
-use crate::errors::ApiError;
+use crate::errors::{ApiError, Code};
 use crate::json::JsonBody;
 use crate::measurements::{ParameterView, solve as solve_measurements};
 use crate::requests::BodyRequest;
+use crate::scan::{self, ScanMetadata, ScanView};
 
 /// Name, label, what 0 is and what 1 is.
 const PHENOTYPES: [(&str, &str, &str, &str); 6] = [
@@ -126,13 +128,18 @@ pub struct SolvedBody {
     parameters: ParameterView,
     measurements: BTreeMap<&'static str, SolvedMeasurement>,
     shape: BodyRequest,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scan: Option<ScanView>,
 }
 
-/// `POST /v1/bodies`
-pub async fn solve(
-    State(app): State<App>,
-    JsonBody(request): JsonBody<SolveRequest>,
-) -> Result<Json<SolvedBody>, ApiError> {
+/// `POST /v1/bodies`: measurements as JSON, or a scan as a form.
+pub async fn solve(State(app): State<App>, mut request: Request) -> Result<Json<SolvedBody>, ApiError> {
+    let kind = request.headers().get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    if kind.is_some_and(|kind| kind.starts_with("multipart/form-data")) {
+        return of_scan(app, request).await;
+    }
+    DefaultBodyLimit::max(super::MAX_JSON_BYTES).apply(&mut request);
+    let JsonBody(request) = JsonBody::<SolveRequest>::from_request(request, &app).await?;
     let assets = Arc::clone(&app.service.assets);
     let work = move |_: &mut dyn toile_drape::network::Networks| {
         let fixed: BTreeMap<_, _> =
@@ -147,6 +154,22 @@ pub async fn solve(
     Ok(Json(app.service.workers.run(work).await??))
 }
 
+async fn of_scan(app: App, request: Request) -> Result<Json<SolvedBody>, ApiError> {
+    let busy = |_| ApiError::new(Code::Overloaded, "Too many uploads at once; try again shortly.");
+    let _turn = app.uploads.try_acquire().map_err(busy)?;
+    let UploadForm { file, file_name, metadata } =
+        UploadForm::<ScanMetadata>::from_request(request, &app).await?;
+    let assets = Arc::clone(&app.service.assets);
+    let work = move |_: &mut dyn toile_drape::network::Networks| {
+        let fit = scan::body(&assets, &file, file_name.as_deref(), &metadata)?;
+        let achieved = measure(assets.body(), &assets.body().shape(&fit.shape));
+        let solution =
+            Solution { shape: fit.shape.clone(), achieved, residuals: BTreeMap::new(), iterations: 0 };
+        Ok::<_, ApiError>(SolvedBody { scan: Some(ScanView::new(&fit)), ..solved_body(&assets, &solution) })
+    };
+    Ok(Json(app.service.workers.run(work).await??))
+}
+
 fn solved_body(assets: &Assets, solution: &Solution) -> SolvedBody {
     let measurements = solution.achieved.iter().map(|(measurement, achieved)| {
         let residual = solution.residuals.get(&measurement).copied();
@@ -157,5 +180,6 @@ fn solved_body(assets: &Assets, solution: &Solution) -> SolvedBody {
         parameters: ParameterView::new(assets, &solution.shape),
         measurements: measurements.collect(),
         shape: BodyRequest::of_shape(&solution.shape, assets),
+        scan: None,
     }
 }

@@ -79,7 +79,7 @@ pub fn router(app: App, web: Option<&Path>, body_read: Duration) -> Router {
         .route("/v1/outfits/{id}/thumbnail.png", get(outfits::thumbnail))
         .route("/v1/body", get(bodies::parameters))
         .route("/v1/body/reference.glb", get(bodies::reference))
-        .route("/v1/bodies", post(bodies::solve))
+        .route("/v1/bodies", post(bodies::solve).layer(DefaultBodyLimit::max(MAX_UPLOAD_BYTES)))
         .route("/v1/poses", get(poses::list))
         .route("/v1/poses/{id}", get(poses::show))
         .route("/v1/motions", get(poses::motions))

@@ -3,20 +3,22 @@
 use axum::extract::multipart::{Field, MultipartError, MultipartRejection};
 use axum::extract::{FromRequest, Multipart, Request};
 use bytes::{Bytes, BytesMut};
+use serde::de::DeserializeOwned;
 
 use crate::errors::{ApiError, Code};
 use crate::json::{body_error, parse};
-use crate::upload::{Metadata, Upload};
 
 /// A file and what is stated about it.
-pub struct UploadForm {
+pub struct UploadForm<M> {
     /// The bytes of the file.
     pub file: Bytes,
-    /// Its name and metadata.
-    pub upload: Upload,
+    /// Its name, if it has one.
+    pub file_name: Option<String>,
+    /// What is stated.
+    pub metadata: M,
 }
 
-impl<S: Send + Sync> FromRequest<S> for UploadForm {
+impl<S: Send + Sync, M: DeserializeOwned + Default + Send> FromRequest<S> for UploadForm<M> {
     type Rejection = ApiError;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
@@ -30,14 +32,14 @@ impl<S: Send + Sync> FromRequest<S> for UploadForm {
                 }
                 Some("metadata") if metadata.is_none() => {
                     let bytes = read(field, super::MAX_JSON_BYTES).await?;
-                    metadata = Some(parse::<Metadata>(&bytes).map_err(|error| error.under("/metadata"))?);
+                    metadata = Some(parse::<M>(&bytes).map_err(|error| error.under("/metadata"))?);
                 }
                 name => return Err(unexpected(name.unwrap_or(""))),
             }
         }
         let missing = || ApiError::new(Code::MissingField, "The form needs a part `file`.").at("/file");
         let (file_name, file) = file.ok_or_else(missing)?;
-        Ok(Self { file, upload: Upload { file_name, metadata: metadata.unwrap_or_default() } })
+        Ok(Self { file, file_name, metadata: metadata.unwrap_or_default() })
     }
 }
 

@@ -17,7 +17,7 @@ use crate::hash::short_hash;
 use crate::json::QueryParameters;
 use crate::server_timing::ServerTiming;
 use crate::store::{GarmentSummary, NewOutfit, StoredOutfit};
-use crate::upload::Kinds;
+use crate::upload::{Kinds, Upload};
 
 const DEFAULT_LIMIT: i64 = 20;
 const MAX_LIMIT: i64 = 100;
@@ -97,7 +97,8 @@ pub async fn upload(State(app): State<App>, request: Request) -> Result<Response
     let _turn = app.uploads.try_acquire().map_err(busy)?;
     let mut timing = ServerTiming::default();
     let started = std::time::Instant::now();
-    let UploadForm { file, upload } = UploadForm::from_request(request, &app).await?;
+    let UploadForm { file, file_name, metadata } = UploadForm::from_request(request, &app).await?;
+    let upload = Upload { file_name, metadata };
     timing.add_since("receive", started, None);
     let (stored, is_new) = app.service.wardrobe.add(file, upload, &mut timing).await?;
     let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
