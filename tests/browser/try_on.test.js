@@ -72,6 +72,20 @@ test("a phenotype slider changes the body live", async () => {
   await room.change(() => room.page.getByText("Back to the reference body").click());
 });
 
+test("a scan becomes the body that is nearest to it", async () => {
+  await room.tab("body");
+  await room.page.click('#panel-body [data-value="scan"]');
+  await room.settled();
+  const buffer = Buffer.from(await (await fetch(`${TOILE_URL}/v1/body/reference.glb`)).arrayBuffer());
+  await room.change(() => room.page.setInputFiles("#scan-file", { name: "scan.glb", mimeType: "model/gltf-binary", buffer }));
+  await room.page.getByText("off the scan").waitFor();
+  await room.screenshot("scan");
+  const letter = { name: "letter.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("Dear Sir or Madam") };
+  await room.page.setInputFiles("#scan-file", letter);
+  await room.page.locator('#panel-body .field-error[role="alert"]:visible').waitFor();
+  await room.change(() => room.page.click('#panel-body [data-value="measurements"]'));
+});
+
 test("a pose preset changes the drape", async () => {
   await room.tab("pose");
   const { before: old, after: posed } = await room.change(() => room.pose("arms-up"));
@@ -106,6 +120,26 @@ test("skinning alone gives another drape than the network", async () => {
   const { before: old, after: skinned } = await room.change(() => room.page.check('[name="method"][value="skinning"]'));
   assert.notEqual(skinned.positionSum, old.positionSum);
   await room.change(() => room.page.check('[name="method"][value="deepsd"]'));
+});
+
+test("a network of their kinds drapes garments whose kinds are known", async () => {
+  const garnet = room.page.locator('[name="method"][value="garnet"]');
+  const known = room.page.locator("[data-outfit]", { hasText: "Tea dress" });
+  const worn = (await room.stats()).outfit;
+  await room.tab("outfits");
+  await room.change(() => known.click());
+  await room.tab("insight");
+  const { before: old, after: draped } = await room.change(() => garnet.check());
+  assert.notEqual(draped.positionSum, old.positionSum);
+  await room.screenshot("garnet");
+  await room.tab("outfits");
+  await room.change(() => room.page.locator(`[data-outfit="${worn}"]`).click());
+  await room.tab("insight");
+  const kinds = room.page.locator(".kinds select");
+  for (const select of await kinds.all()) await select.selectOption("");
+  await room.settled();
+  assert.ok(await garnet.isDisabled(), "no kinds, no network");
+  assert.ok(await room.page.isChecked('[name="method"][value="deepsd"]'));
 });
 
 test("a colour tints the cloth without asking the service", async () => {

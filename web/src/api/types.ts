@@ -101,6 +101,8 @@ export interface SolvedBody {
   local_changes: Record<string, number>;
   measurements: Record<string, SolvedMeasurement>;
   shape: Body;
+  /** How near the body is to the scan that it was found for. */
+  scan?: { distance_mm: number; unseen_percent: number };
 }
 
 export interface PosePreset {

@@ -1,16 +1,15 @@
 import { Problem, problemFrom } from "./problem";
-import type { Outfit, OutfitMetadata } from "./types";
 
 /**
- * Uploads a garment file. XMLHttpRequest, because fetch does not tell how much of a body has been sent.
+ * Uploads a file and reads the answer. XMLHttpRequest, because fetch does not tell how much of a body has been sent.
  * `onProgress` gets the share sent, 0 to 1; the service starts to read at 1.
  */
-export function uploadOutfit(
+export function upload<Answer>(
   url: string,
   file: File,
-  metadata: OutfitMetadata,
+  metadata: object,
   onProgress: (share: number) => void,
-): Promise<Outfit> {
+): Promise<Answer> {
   const form = new FormData();
   form.append("metadata", new Blob([JSON.stringify(metadata)], { type: "application/json" }));
   form.append("file", file, file.name);
@@ -21,7 +20,7 @@ export function uploadOutfit(
     };
     request.onerror = () => reject(Problem.offline());
     request.onload = () => {
-      if (request.status >= 200 && request.status < 300) resolve(JSON.parse(request.responseText) as Outfit);
+      if (request.status >= 200 && request.status < 300) resolve(JSON.parse(request.responseText) as Answer);
       else reject(problemFrom(request.status, request.responseText, request.getResponseHeader("Retry-After")));
     };
     request.open("POST", url);

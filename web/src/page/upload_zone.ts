@@ -1,7 +1,7 @@
 import type { ToileApi } from "../api/client";
 import { Problem } from "../api/problem";
 import type { Outfit, OutfitMetadata } from "../api/types";
-import { uploadOutfit } from "../api/upload";
+import { upload } from "../api/upload";
 import { icon, make } from "./dom";
 
 const ACCEPT = ".glb,.gltf,.obj,model/gltf-binary,model/gltf+json,model/obj";
@@ -65,7 +65,7 @@ export class UploadZone {
   private async send(file: File): Promise<void> {
     this.begin(file);
     try {
-      const outfit = await uploadOutfit(this.api.url("/v1/outfits"), file, this.metadata(file), (share) => {
+      const outfit = await upload<Outfit>(this.api.url("/v1/outfits"), file, this.metadata(file), (share) => {
         this.bar.value = share;
         this.status.textContent = share < 1 ? `Sending ${file.name}…` : `Reading and mending ${file.name}…`;
       });
