@@ -113,6 +113,8 @@ def main() -> None:
     p.add_argument("--variant", choices=["naive", "global", "local"], default="local")
     p.add_argument("--curvature", choices=["", "rq", "mc"], default="")
     p.add_argument("--minutes", type=float, default=10)
+    p.add_argument("--resume", action="store_true", help="go on from the same run's weights")
+    p.add_argument("--rate", type=float, help="highest rate of Adam; 1e-3, or 3e-4 where a run goes on from another")
     p.add_argument("--drapes", type=Path, default=GARNET)
     a = p.parse_args()
     torch.manual_seed(0)
@@ -120,9 +122,10 @@ def main() -> None:
     garment, scenes = load(a.garment, train, train.bank(), a.drapes)
     print(f"{len(scenes)} drapes of {scenes.warped.shape[1]} vertices", flush=True)
     net = GarNet(Sizes(variant=a.variant))
-    if a.curvature:
-        net.load_state_dict(torch.load(checkpoint(a.garment, a.variant)))
-    learn(net, garment, scenes, Settings(a.minutes, curvature=a.curvature, rate=3e-4 if a.curvature else 1e-3))
+    if a.curvature or a.resume:
+        net.load_state_dict(torch.load(checkpoint(a.garment, a.variant, a.curvature if a.resume else "")))
+    rate = a.rate or (3e-4 if a.curvature or a.resume else 1e-3)
+    learn(net, garment, scenes, Settings(a.minutes, curvature=a.curvature, rate=rate))
     RUNS.mkdir(parents=True, exist_ok=True)
     torch.save(net.state_dict(), checkpoint(a.garment, a.variant, a.curvature))
 
