@@ -1,4 +1,5 @@
-//! The parametric body that is nearest to a scan: a mesh of a person of any topology, standing about in the A-pose.
+//! The parametric body that is nearest to a scan: a mesh of a person of any topology, standing about in the A-pose,
+//! whichever way it faces.
 //!
 //! Points of the body are drawn to the planes of the nearest scan points that face the same way (Chen and Medioni 1992),
 //! by damped Gauss-Newton steps over shape, place and the lift of arms and legs. What the scan leaves open stays
@@ -7,15 +8,18 @@
 mod surface;
 mod unknowns;
 
+use std::ops::Range;
+
 use glam::Vec3;
 use thiserror::Error;
 
 use self::surface::Surface;
-use self::unknowns::{COUNT, Unknowns};
-use crate::body::{Body, BodyShape};
+use self::unknowns::{COUNT, PLACE, Unknowns};
+use crate::body::{Body, BodyShape, ShapedBody};
 use crate::measurements::cholesky;
 use crate::mesh::Mesh;
 use crate::normals::vertex_normals;
+use crate::pose::Pose;
 
 /// Heights of people, metres.
 const HEIGHTS: std::ops::RangeInclusive<f32> = 1.0..=2.4;
@@ -24,6 +28,8 @@ const FEWEST: usize = 500;
 /// Steps, and how far from the body scan points are believed at the first and at the last one, metres.
 const STEPS: usize = 16;
 const REACH: (f32, f32) = (0.20, 0.03);
+/// Steps of place and limbs alone, for each of the four ways that a scan may face.
+const PLACING: usize = 5;
 /// Of every so many body vertices one is compared.
 const STRIDE: usize = 9;
 /// Mean distance and share of the body without a counterpart beyond which a scan is no body, metres and percent.
@@ -65,7 +71,7 @@ pub enum ScanError {
     },
     /// Nothing like a person in the A-pose.
     #[error(
-        "the mesh is no person in the A-pose, facing +Z: the nearest body is {:.0} mm off and {unseen_percent:.0} % of it have no counterpart; GET /v1/body/reference.glb shows the pose",
+        "the mesh is no person in the A-pose: the nearest body is {:.0} mm off and {unseen_percent:.0} % of it have no counterpart; GET /v1/body/reference.glb shows the pose",
         1e3 * distance
     )]
     NotABody {
@@ -85,21 +91,19 @@ pub fn fit(body: &Body, scan: &Mesh) -> Result<ScanFit, ScanError> {
         return Err(ScanError::TooCoarse { found: scan.positions.len() });
     }
     let surface = Surface::new(scan).ok_or(ScanError::NoTriangles)?;
-    let bounds =
-        |pick: fn(Vec3, Vec3) -> Vec3| surface.points().iter().copied().reduce(pick).unwrap_or_default();
-    let (low, high) = (bounds(Vec3::min), bounds(Vec3::max));
+    let (low, high) = surface.bounds();
     let height = high.y - low.y;
     if !HEIGHTS.contains(&height) {
         return Err(ScanError::Height { height });
     }
-    let mut unknowns = Unknowns::standing(body, height, low, high);
     let compared = Compared::new(body);
-    let first = compared.posed(&unknowns);
-    let surface = surface.turned_like(&first.points, &first.normals);
+    let facing = (0..4).filter_map(|quarters| Some(compared.placed(surface.turned(quarters)?, height)));
+    let nearest = facing.min_by(|(a, ..), (b, ..)| a.total_cmp(b)).ok_or(ScanError::NoTriangles)?;
+    let (_, surface, mut unknowns) = nearest;
     for step in 0..STEPS {
         let share = step as f32 / (STEPS - 1) as f32;
         let reach = REACH.0 * (REACH.1 / REACH.0).powf(share);
-        compared.step(&mut unknowns, &surface, reach);
+        compared.step(&mut unknowns, &surface, reach, 0..COUNT);
     }
     compared.judged(&unknowns, &surface)
 }
@@ -116,6 +120,7 @@ struct Compared<'a> {
 struct Posed {
     points: Vec<Vec3>,
     normals: Vec<Vec3>,
+    shaped: ShapedBody,
 }
 
 impl<'a> Compared<'a> {
@@ -133,22 +138,54 @@ impl<'a> Compared<'a> {
         Self { body, vertices, area: chosen.iter().map(|a| a / total).collect() }
     }
 
-    fn points(&self, unknowns: &Unknowns) -> Vec<Vec3> {
-        let (shaped, pose) = unknowns.shaped_and_posed(self.body);
-        let world = self.body.world_joints(&shaped, &pose);
-        self.body.posed_subset(&shaped, &world, &self.vertices)
+    /// A body of the scan's height where the scan stands: how far it is off, area by area, and both.
+    fn placed(&self, surface: Surface, height: f32) -> (f32, Surface, Unknowns) {
+        let (low, high) = surface.bounds();
+        let mut unknowns = Unknowns::standing(self.body, height, low, high);
+        let first = self.posed(&unknowns);
+        let surface = surface.turned_like(&first.points, &first.normals);
+        for _ in 0..PLACING {
+            self.step(&mut unknowns, &surface, REACH.0, PLACE..COUNT);
+        }
+        let here = self.posed(&unknowns);
+        let off = here.points.iter().zip(&here.normals).zip(&self.area).map(|((point, normal), area)| {
+            let found = surface.facing(*point, *normal);
+            area * found.map_or(REACH.0, |(target, _)| point.distance(target).min(REACH.0))
+        });
+        (off.sum(), surface, unknowns)
+    }
+
+    fn points(&self, shaped: &ShapedBody, pose: &Pose) -> Vec<Vec3> {
+        self.body.posed_subset(shaped, &self.body.world_joints(shaped, pose), &self.vertices)
     }
 
     fn posed(&self, unknowns: &Unknowns) -> Posed {
-        let (shaped, pose) = unknowns.shaped_and_posed(self.body);
-        let all = self.body.posed_vertices(&shaped, &self.body.world_joints(&shaped, &pose));
+        let shaped = self.body.shape(&unknowns.shape());
+        let world = self.body.world_joints(&shaped, &unknowns.pose(self.body));
+        let all = self.body.posed_vertices(&shaped, &world);
         let normals = vertex_normals(&all, self.body.triangles());
         let pick = |from: &[Vec3]| self.vertices.iter().map(|&v| from[v as usize]).collect();
-        Posed { points: pick(&all), normals: pick(&normals) }
+        Posed { points: pick(&all), normals: pick(&normals), shaped }
     }
 
-    /// One damped Gauss-Newton step towards scan points within `reach` metres.
-    fn step(&self, unknowns: &mut Unknowns, surface: &Surface, reach: f32) {
+    /// How the points move with each unknown that is free.
+    fn slopes(&self, unknowns: &Unknowns, here: &Posed, free: &Range<usize>) -> Vec<Vec<Vec3>> {
+        let slope = |k: usize| {
+            if !free.contains(&k) {
+                return vec![Vec3::ZERO; here.points.len()];
+            }
+            let moved = unknowns.moved(k, DIFFERENCE);
+            let points = match k < PLACE {
+                true => self.points(&self.body.shape(&moved.shape()), &moved.pose(self.body)),
+                false => self.points(&here.shaped, &moved.pose(self.body)),
+            };
+            points.iter().zip(&here.points).map(|(a, b)| (*a - *b) / DIFFERENCE).collect()
+        };
+        (0..COUNT).map(slope).collect()
+    }
+
+    /// One damped Gauss-Newton step of the unknowns that are free, towards scan points within `reach` metres.
+    fn step(&self, unknowns: &mut Unknowns, surface: &Surface, reach: f32, free: Range<usize>) {
         let here = self.posed(unknowns);
         let rows: Vec<(usize, Vec3, f64, f64)> = (0..here.points.len())
             .filter_map(|i| {
@@ -158,12 +195,7 @@ impl<'a> Compared<'a> {
                 (way.length() < reach).then(|| (i, normal, f64::from(way.dot(normal)), f64::from(trust)))
             })
             .collect();
-        let columns: Vec<Vec<Vec3>> = (0..COUNT)
-            .map(|k| {
-                let moved = self.points(&unknowns.moved(k, DIFFERENCE));
-                moved.iter().zip(&here.points).map(|(a, b)| (*a - *b) / DIFFERENCE).collect()
-            })
-            .collect();
+        let columns = self.slopes(unknowns, &here, &free);
         let (mut matrix, mut right) = unknowns.pull();
         for &(i, normal, lack, trust) in &rows {
             let slope: Vec<f64> = columns.iter().map(|c| f64::from(c[i].dot(normal))).collect();

@@ -47,8 +47,22 @@ impl Surface {
         Some(Self { tree: PointTree::new(&points, |_| true)?, points, normals })
     }
 
-    pub(super) fn points(&self) -> &[Vec3] {
-        &self.points
+    /// Turned about the vertical by quarters.
+    pub(super) fn turned(&self, quarters: usize) -> Option<Self> {
+        let turn = |p: &Vec3| (0..quarters).fold(*p, |p, _| Vec3::new(p.z, p.y, -p.x));
+        let points: Vec<Vec3> = self.points.iter().map(turn).collect();
+        Some(Self {
+            tree: PointTree::new(&points, |_| true)?,
+            points,
+            normals: self.normals.iter().map(turn).collect(),
+        })
+    }
+
+    /// Corners of the bounding box.
+    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+        let bound =
+            |pick: fn(Vec3, Vec3) -> Vec3| self.points.iter().copied().reduce(pick).unwrap_or_default();
+        (bound(Vec3::min), bound(Vec3::max))
     }
 
     /// The nearest point that faces the same way as `normal`, and the surface's normal there.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{Quat, Vec3};
 
-use crate::body::{AGE, Body, BodyShape, PARAMETERS, PHENOTYPES, ShapedBody};
+use crate::body::{AGE, Body, BodyShape, PARAMETERS, PHENOTYPES};
 use crate::measurements::{Measurement, solve};
 use crate::pose::Pose;
 
@@ -21,12 +21,12 @@ const TURNS: [(&str, Vec3); 9] = [
     ("rightUpperLeg", Vec3::Z),
 ];
 /// Where translation and turns begin among the unknowns.
-const PLACE: usize = PARAMETERS;
+pub(super) const PLACE: usize = PARAMETERS;
 const TURN: usize = PLACE + 3;
 /// Number of unknowns.
 pub(super) const COUNT: usize = TURN + TURNS.len();
 /// How strongly unknowns are drawn to the middle, square metres a square unit.
-const PULL: f64 = 4e-6;
+const PULL: f64 = 4e-7;
 /// What is not to be moved at all.
 const FIXED: f64 = 1e3;
 /// Widest turn, radians.
@@ -58,7 +58,7 @@ impl Unknowns {
         BodyShape::from_parameters(&std::array::from_fn(|k| f64::from(self.0[k])))
     }
 
-    pub(super) fn shaped_and_posed(&self, body: &Body) -> (ShapedBody, Pose) {
+    pub(super) fn pose(&self, body: &Body) -> Pose {
         let mut turns: BTreeMap<String, Quat> = BTreeMap::new();
         for ((joint, axis), &angle) in TURNS.iter().zip(&self.0[TURN..]) {
             let turn = turns.entry((*joint).to_owned()).or_insert(Quat::IDENTITY);
@@ -66,7 +66,7 @@ impl Unknowns {
         }
         let mut pose = Pose::from_humanoid(body, &turns).unwrap_or_else(|_| Pose::identity(body));
         pose.root_translation = Vec3::from_slice(&self.0[PLACE..TURN]);
-        (body.shape(&self.shape()), pose)
+        pose
     }
 
     /// With unknown `k` moved by `step`.
