@@ -18,16 +18,28 @@ impl<K: PartialEq, V> Recent<K, V> {
 
     /// The value of `key`, made anew unless it is among the latest. Two callers at once may both make it.
     pub fn get(&self, key: K, make: impl FnOnce(&K) -> V) -> Arc<V> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(at) = kept.iter().position(|(k, _)| *k == key) {
-            let entry = kept.remove(at);
-            let value = Arc::clone(&entry.1);
-            kept.insert(0, entry);
+        if let Some(value) = self.find(&key) {
             return value;
         }
-        drop(kept);
-        let value = Arc::new(make(&key));
+        let value = make(&key);
+        self.keep(key, value)
+    }
+
+    /// The value of `key`, if it is among the latest.
+    pub fn find(&self, key: &K) -> Option<Arc<V>> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = kept.iter().position(|(k, _)| k == key)?;
+        let entry = kept.remove(at);
+        let value = Arc::clone(&entry.1);
+        kept.insert(0, entry);
+        Some(value)
+    }
+
+    /// Keeps the value of `key` as the latest.
+    pub fn keep(&self, key: K, value: V) -> Arc<V> {
+        let value = Arc::new(value);
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.retain(|(k, _)| *k != key);
         kept.insert(0, (key, Arc::clone(&value)));
         kept.truncate(self.limit);
         value
@@ -46,5 +58,6 @@ mod tests {
             recent.get(key, |k| made.push(*k));
         }
         assert_eq!(made, [1, 2, 3, 2]);
+        assert!(recent.find(&2).is_some() && recent.find(&3).is_none());
     }
 }

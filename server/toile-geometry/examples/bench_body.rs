@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let shape = BodyShape {
         phenotypes: [0.3, 0.7, 0.4, 0.6, 0.45, 0.55],
         local_changes: std::array::from_fn(|k| 0.1 * (k % 5) as f32 - 0.2),
+        ..BodyShape::default()
     };
     let library = PoseLibrary::from_json(&std::fs::read(artifacts.join("poses.json"))?, &body)?;
     let pose = library.preset("contrapposto").ok_or("no contrapposto")?.pose.to_pose(&body)?;

@@ -5,12 +5,16 @@ use std::sync::Arc;
 
 use thiserror::Error;
 use toile_drape::error::DrapeError;
+use toile_drape::recent::Recent;
 use toile_drape::studio::Studio;
 use toile_geometry::body::{Body, BodyError, BodyShape, ShapedBody};
 use toile_geometry::poses::{PoseLibrary, PoseLibraryError};
 use toile_gltf::BodyTemplate;
 
 use crate::hash::short_hash;
+
+/// Scans whose bodies are kept, a sixth of a megabyte each.
+const SCANS: usize = 256;
 
 /// Why the artifacts cannot be used.
 #[derive(Debug, Error)]
@@ -42,6 +46,8 @@ pub struct Assets {
     pub reference: Arc<ShapedBody>,
     /// Preset poses and motions.
     pub poses: PoseLibrary,
+    /// Bodies of recent scans by their ids: in memory alone, because they are of people.
+    pub scans: Recent<String, BodyShape>,
     /// What all GLBs with a body have in common.
     pub body_template: BodyTemplate,
     /// Content hash of the body, part of the address of every static pass.
@@ -60,7 +66,14 @@ impl Assets {
         let body_hash = short_hash([bytes.as_slice()]);
         let body_template = BodyTemplate::new(body.vertex_count(), body.triangles());
         let reference = Arc::new(body.shape(&BodyShape::default()));
-        Ok(Self { studio: Studio::new(body)?, reference, poses, body_template, body_hash })
+        Ok(Self {
+            studio: Studio::new(body)?,
+            reference,
+            poses,
+            body_template,
+            body_hash,
+            scans: Recent::new(SCANS),
+        })
     }
 
     /// The body.

@@ -49,6 +49,7 @@ pub enum Code {
     OffBody,
     InvalidBake,
     UnknownKind,
+    UnknownScan,
     NotABody,
     MeasurementOutOfRange,
     MeasurementUnits,
@@ -136,6 +137,7 @@ impl Code {
             }
             Self::OffBody => (S::UNPROCESSABLE_ENTITY, "off-body", "The outfit is not on the body"),
             Self::InvalidBake => (S::UNPROCESSABLE_ENTITY, "invalid-bake", "The bake cannot be used"),
+            Self::UnknownScan => (S::NOT_FOUND, "unknown-scan", "There is no body of this scan"),
             Self::NotABody => (S::UNPROCESSABLE_ENTITY, "not-a-body", "The mesh is no scan of a body"),
             Self::UnknownKind => {
                 (S::UNPROCESSABLE_ENTITY, "unknown-kind", "The method does not know this kind of garment")

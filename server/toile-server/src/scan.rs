@@ -1,12 +1,16 @@
 //! Bodies from scans: a mesh of a person becomes the body that is nearest to it.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
+use toile_geometry::body::{BodyShape, Detail};
 use toile_geometry::mesh::Mesh;
-use toile_geometry::scan::{ScanFit, fit};
+use toile_geometry::scan::fit;
 use toile_gltf::{Format, preflight, read};
 
 use crate::assets::Assets;
 use crate::errors::ApiError;
+use crate::hash::short_hash;
 use crate::upload::hints;
 
 /// What is stated about a scan's file.
@@ -28,14 +32,7 @@ pub struct ScanView {
     unseen_percent: f32,
 }
 
-impl ScanView {
-    /// Of a fit.
-    pub fn new(fit: &ScanFit) -> Self {
-        Self { distance_mm: 1e3 * fit.distance, unseen_percent: fit.unseen_percent }
-    }
-}
-
-/// The body nearest to the meshes of a file. Takes a second: not for a tokio thread.
+/// The body nearest to the meshes of a file, kept for drapes to come. Takes a second: not for a tokio thread.
 ///
 /// # Errors
 /// When the file cannot be read or is no scan of a person.
@@ -44,7 +41,7 @@ pub fn body(
     file: &[u8],
     file_name: Option<&str>,
     metadata: &ScanMetadata,
-) -> Result<ScanFit, ApiError> {
+) -> Result<(BodyShape, ScanView), ApiError> {
     let hints = hints(metadata.units.as_deref(), metadata.up.as_deref())?;
     let format = Format::sniff(file, file_name)?;
     preflight(file, format)?;
@@ -55,5 +52,12 @@ pub fn body(
         scan.triangles.extend(triangles.map(|triangle| triangle.map(|i| first + i)));
         scan.positions.extend(mesh.positions);
     }
-    Ok(fit(assets.body(), &scan)?)
+    let found = fit(assets.body(), &scan)?;
+    let stated = [&metadata.units, &metadata.up].map(|text| text.as_deref().unwrap_or("").as_bytes());
+    let id = short_hash([file, stated[0], stated[1]]);
+    let detail = Some(Arc::new(Detail { id: id.clone(), offsets: found.offsets }));
+    let shape = BodyShape { detail, ..found.shape };
+    let view = ScanView { distance_mm: 1e3 * found.distance, unseen_percent: found.unseen_percent };
+    assets.scans.keep(id, shape.clone());
+    Ok((shape, view))
 }

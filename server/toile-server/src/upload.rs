@@ -79,6 +79,10 @@ impl Upload {
     /// When it is no body.
     pub fn fitted_on(&self, assets: &Assets) -> Result<toile_geometry::body::BodyShape, ApiError> {
         let stated = self.metadata.fitted_on.as_ref();
+        if stated.is_some_and(BodyRequest::is_scan) {
+            let detail = "An outfit outlives a scan; state the phenotypes that POST /v1/bodies found for it.";
+            return Err(ApiError::new(Code::InvalidField, detail).at("/metadata/fitted_on/kind"));
+        }
         stated
             .map_or_else(|| Ok(Default::default()), |body| body.shape(assets))
             .map_err(|e| e.under("/metadata/fitted_on"))

@@ -229,3 +229,36 @@ fn what_is_no_scan_is_refused() {
     );
     post(Form::default()).assert_problem(400, "missing-field", Some("/file"));
 }
+
+#[test]
+fn what_a_scan_knows_beyond_the_parameters_is_draped_on() {
+    let server = Server::shared();
+    let belly = |[x, y, z]: [f32; 3]| {
+        let squared = x * x + (y - 1.12).powi(2) + (z - 0.12).powi(2);
+        [x, y, z + 0.04 * (-squared / 0.012).exp()]
+    };
+    let (kind, bytes) = Form::file("scan.glb", &scan_of(&server, &json!({})).map(belly).glb()).encode();
+    let answer =
+        server.request("POST", "/v1/bodies", &[("content-type", &kind)], &bytes).with_status(200).json();
+    let drape = |body: &Value| {
+        let output = json!({"include": ["outfit", "body"]});
+        let pose = json!({"kind": "preset", "id": "sitting"});
+        let request = json!({"outfit": server.upload_skirt(), "body": body, "pose": pose, "output": output});
+        server.drape(&request).with_status(200)
+    };
+    let parameters = json!({"kind": "phenotypes", "values": answer["phenotypes"]});
+    let (scanned, plain) = (drape(&answer["shape"]), drape(&parameters));
+    assert_valid_glb(&scanned.bytes);
+    let [scanned, plain] = [scanned, plain].map(|answer| Glb::parse(&answer.bytes).positions("body"));
+    let farthest = scanned.iter().zip(&plain).map(|(a, b)| (a[2] - b[2]).abs()).fold(0.0, f32::max);
+    assert!((0.01..0.1).contains(&farthest), "the belly is {farthest} m out");
+
+    let forgotten = json!({"outfit": server.upload_skirt(), "body": {"kind": "scan", "id": "0123"}});
+    server.drape(&forgotten).assert_problem(404, "unknown-scan", Some("/body/id"));
+    let valued = json!({"outfit": server.upload_skirt(), "body": {"kind": "scan", "id": "0", "values": {"gender": 1.0}}});
+    server.drape(&valued).assert_problem(400, "unknown-field", Some("/body/values"));
+    let named = json!({"outfit": server.upload_skirt(), "body": {"kind": "phenotypes", "id": "0"}});
+    server.drape(&named).assert_problem(400, "unknown-field", Some("/body/id"));
+    let fitted = Form::file("a.glb", &skirt(1.0).glb()).metadata(&json!({"fitted_on": answer["shape"]}));
+    server.upload(&fitted).assert_problem(400, "invalid-field", Some("/metadata/fitted_on/kind"));
+}

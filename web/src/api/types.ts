@@ -80,10 +80,10 @@ export interface BodyParameters {
   measurements: MeasurementParameter[];
 }
 
-export interface Body {
-  kind: "phenotypes" | "measurements";
-  values: Record<string, number>;
-}
+export type Body =
+  | { kind: "phenotypes" | "measurements"; values: Record<string, number> }
+  /** A scan's, as `POST /v1/bodies` answered. */
+  | { kind: "scan"; id: string };
 
 export interface BodyRequest {
   measurements: Record<string, number>;

@@ -23,7 +23,7 @@ pub use file::BodyError;
 pub use orientation::nearest_rotation;
 pub(crate) use phenotypes::AGE;
 pub use phenotypes::{CoefficientJacobian, LOCAL_CHANGES, PARAMETERS, PHENOTYPES, PhenotypeTerms};
-pub use shape::{BodyShape, REFERENCE_AGE};
+pub use shape::{BodyShape, Detail, REFERENCE_AGE};
 
 /// The baked body: everything that depends on neither shape nor pose. Immutable, to be shared.
 #[derive(Debug)]
@@ -83,7 +83,8 @@ impl Body {
         let coefficients = self.terms.coefficients(shape);
         let mut rest = self.template.clone();
         self.basis.accumulate(&coefficients, &mut rest);
-        let rest_vertices: Vec<Vec3> = rest.chunks_exact(3).map(Vec3::from_slice).collect();
+        let mut rest_vertices: Vec<Vec3> = rest.chunks_exact(3).map(Vec3::from_slice).collect();
+        rest_vertices.iter_mut().zip(shape.offsets()).for_each(|(v, offset)| *v += *offset);
         let frames = self.joint_frames(&coefficients);
         let (joint_from_rest, heads) = self.joints_to_apose(&frames);
         let apose: Vec<Affine3A> = joint_from_rest

@@ -1,12 +1,30 @@
 //! The parameters of a body.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::Vec3;
 
 use super::phenotypes::{AGE, LOCAL_CHANGES, PARAMETERS, PHENOTYPES};
 use super::{Body, BodyError};
 
 /// Age of the reference body as a phenotype: a young adult.
 pub const REFERENCE_AGE: f32 = 2.0 / 3.0;
+
+/// How the surface of one person differs from the parameters' (a scan's).
+#[derive(Clone, Debug)]
+pub struct Detail {
+    /// Tells it from others.
+    pub id: String,
+    /// Offsets of the rest vertices, metres.
+    pub offsets: Vec<Vec3>,
+}
+
+impl PartialEq for Detail {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
 
 /// The parameters of a body. The default is the reference body.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,13 +33,15 @@ pub struct BodyShape {
     pub phenotypes: [f32; PHENOTYPES],
     /// Local changes, each -1 to 1, in the order of [`Body::local_change_names`].
     pub local_changes: [f32; LOCAL_CHANGES],
+    /// What a scan knows beyond them.
+    pub detail: Option<Arc<Detail>>,
 }
 
 impl Default for BodyShape {
     fn default() -> Self {
         let mut phenotypes = [0.5; PHENOTYPES];
         phenotypes[AGE] = REFERENCE_AGE;
-        Self { phenotypes, local_changes: [0.0; LOCAL_CHANGES] }
+        Self { phenotypes, local_changes: [0.0; LOCAL_CHANGES], detail: None }
     }
 }
 
@@ -60,15 +80,10 @@ impl BodyShape {
         names.cloned().zip(self.phenotypes.into_iter().chain(self.local_changes)).collect()
     }
 
-    /// The parameters' bit patterns: equal exactly when the shapes are, for use as the key of a cache.
+    /// Offsets of the rest vertices beyond the parameters, metres; empty where there are none.
     #[must_use]
-    pub fn key(&self) -> [u32; PARAMETERS] {
-        let mut out = [0; PHENOTYPES + LOCAL_CHANGES];
-        for (key, value) in out.iter_mut().zip(self.phenotypes.into_iter().chain(self.local_changes)) {
-            // -0.0 and 0.0 are the same shape.
-            *key = (value + 0.0).to_bits();
-        }
-        out
+    pub fn offsets(&self) -> &[Vec3] {
+        self.detail.as_ref().map_or(&[], |detail| &detail.offsets)
     }
 
     /// Phenotypes, then local changes.
@@ -85,6 +100,7 @@ impl BodyShape {
         Self {
             phenotypes: std::array::from_fn(at),
             local_changes: std::array::from_fn(|k| at(PHENOTYPES + k)),
+            detail: None,
         }
     }
 }

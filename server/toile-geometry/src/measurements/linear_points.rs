@@ -11,14 +11,19 @@ pub(super) struct LinearPoints {
     template: Vec<f32>,
     /// How `template` moves with each coefficient, (coefficients, template), row-major.
     basis: Vec<f32>,
+    /// The edge of the body that each point lies on, and how far along it.
+    ends: Vec<([u32; 2], f32)>,
 }
 
 impl LinearPoints {
     /// Points on edges of the body (two vertices, and how far along); `None` where there is no vertex.
     pub fn new(points: &[([u32; 2], f32)], template: &[f32], basis: &ShapeBasis) -> Option<Self> {
         let width = points.len() * 3;
-        let mut out =
-            Self { template: Vec::with_capacity(width), basis: vec![0.0; width * basis.coefficient_count()] };
+        let mut out = Self {
+            template: Vec::with_capacity(width),
+            basis: vec![0.0; width * basis.coefficient_count()],
+            ends: points.to_vec(),
+        };
         for (k, &([a, b], t)) in points.iter().enumerate() {
             let at = |v: u32| template.get(v as usize * 3..v as usize * 3 + 3).map(Vec3::from_slice);
             out.template.extend_from_slice(&at(a)?.lerp(at(b)?, t).to_array());
@@ -38,6 +43,12 @@ impl LinearPoints {
             out.iter_mut().zip(row).for_each(|(o, v)| *o += c * v);
         }
         out.chunks_exact(3).map(Vec3::from_slice).collect()
+    }
+
+    /// Moves the points by the offsets of the body's vertices, none where the body has none.
+    pub fn offset(&self, points: &mut [Vec3], offsets: &[Vec3]) {
+        let of = |v: u32| offsets.get(v as usize).copied().unwrap_or_default();
+        points.iter_mut().zip(&self.ends).for_each(|(p, ([a, b], t))| *p += of(*a).lerp(of(*b), *t));
     }
 
     /// Derivative by the coefficients of what has a `gradient` by the points from `first` on.

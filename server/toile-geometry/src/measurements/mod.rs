@@ -222,5 +222,5 @@ pub fn by_measurement(
 #[must_use]
 pub fn measure(body: &Body, shaped: &ShapedBody) -> Measurements {
     let coefficients = body.terms().coefficients(&shaped.shape);
-    Measurements(body.tape().measure(&coefficients).map(|value| value as f32))
+    Measurements(body.tape().measure(&coefficients, shaped.shape.offsets()).map(|value| value as f32))
 }

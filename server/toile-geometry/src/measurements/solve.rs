@@ -66,7 +66,8 @@ pub fn solve(
     let mut problem = Problem::new(body, requested, fixed)?;
     let iterations = problem.minimise();
     let shape = problem.shape();
-    let achieved = Measurements(body.tape().measure(&body.terms().coefficients(&shape)).map(|v| v as f32));
+    let achieved =
+        Measurements(body.tape().measure(&body.terms().coefficients(&shape), &[]).map(|v| v as f32));
     let residuals = requested.iter().map(|(&name, &value)| (name, achieved.get(name) - value)).collect();
     let solution = Solution { shape, achieved, residuals, iterations };
     let misses = misses(&solution, requested);

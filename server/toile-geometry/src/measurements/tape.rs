@@ -97,10 +97,12 @@ impl Tape {
         })
     }
 
-    /// All measurements of shape coefficients, cm and kg.
+    /// All measurements of shape coefficients, cm and kg, with the rest vertices moved by `offsets` (none: empty).
     #[must_use]
-    pub fn measure(&self, coefficients: &[f32]) -> [f64; MEASUREMENTS] {
-        let points = self.points(coefficients, true);
+    pub fn measure(&self, coefficients: &[f32], offsets: &[Vec3]) -> [f64; MEASUREMENTS] {
+        let mut points = self.points(coefficients, true);
+        self.points.offset(&mut points.tapes, offsets);
+        self.coarse.offset(&mut points.coarse, offsets);
         std::array::from_fn(|m| self.value(m, &points))
     }
 

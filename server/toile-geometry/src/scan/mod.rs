@@ -5,6 +5,7 @@
 //! by damped Gauss-Newton steps over shape, place and the lift of arms and legs. What the scan leaves open stays
 //! average. Metres, glTF axes.
 
+mod detail;
 mod surface;
 mod unknowns;
 
@@ -43,6 +44,8 @@ const DIFFERENCE: f32 = 1e-2;
 pub struct ScanFit {
     /// Its shape.
     pub shape: BodyShape,
+    /// Offsets of its rest vertices that put its surface on the scan, metres ([`crate::body::Detail`]).
+    pub offsets: Vec<Vec3>,
     /// Mean distance of the body from the scan where the scan has a counterpart, metres.
     pub distance: f32,
     /// Share of the body for which the scan has no counterpart within 3 cm, percent.
@@ -224,6 +227,7 @@ impl<'a> Compared<'a> {
         if distance > FARTHEST || unseen_percent > MOST_UNSEEN {
             return Err(ScanError::NotABody { distance, unseen_percent });
         }
-        Ok(ScanFit { shape: unknowns.shape(), distance, unseen_percent })
+        let offsets = detail::offsets(self.body, unknowns, surface);
+        Ok(ScanFit { shape: unknowns.shape(), offsets, distance, unseen_percent })
     }
 }

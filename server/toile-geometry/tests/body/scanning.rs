@@ -1,9 +1,13 @@
 //! Bodies found again from meshes of them.
 
+use std::sync::Arc;
+
 use glam::Vec3;
-use toile_geometry::body::BodyShape;
+use toile_geometry::body::{BodyShape, Detail};
 use toile_geometry::measurements::{Measurement, measure};
 use toile_geometry::mesh::Mesh;
+use toile_geometry::nearest::PointTree;
+use toile_geometry::normals::vertex_normals;
 use toile_geometry::scan::{ScanError, fit};
 
 use super::body;
@@ -52,6 +56,39 @@ fn noise_holes_other_triangles_and_another_place_do_not_matter() {
     let moved = |(k, p): (usize, &Vec3)| *p + noise(k) + Vec3::new(0.5, 0.02, -0.3);
     scan = Mesh { positions: scan.positions.iter().enumerate().map(moved).collect(), triangles };
     assert_found(&scan, &shape, 1.5);
+}
+
+#[test]
+fn the_detail_puts_the_body_on_the_scan() {
+    // A belly that the parameters do not know, 4 cm deep.
+    let average = body().shape(&BodyShape::default());
+    let middle = Vec3::new(0.0, 1.12, 0.12);
+    let bulge = |p: &Vec3| *p + Vec3::Z * 0.04 * (-p.distance_squared(middle) / 0.012).exp();
+    let scan = Mesh {
+        positions: average.apose_vertices.iter().map(bulge).collect(),
+        triangles: body().triangles().to_vec(),
+    };
+    let found = fit(body(), &scan).unwrap();
+    let detail = Some(Arc::new(Detail { id: "scan".to_owned(), offsets: found.offsets.clone() }));
+    let detailed = BodyShape { detail, ..found.shape.clone() };
+    let tree = PointTree::new(&scan.positions, |_| true).unwrap();
+    let normals = vertex_normals(&scan.positions, &scan.triangles);
+    let off = |shape: &BodyShape| {
+        let lack = |p: Vec3| {
+            let hit = tree.nearest(p).index as usize;
+            (p - scan.positions[hit]).dot(normals[hit]).abs()
+        };
+        let vertices = body().shape(shape).apose_vertices;
+        let near: Vec<f32> =
+            vertices.iter().filter(|p| p.distance(middle) < 0.15).map(|p| lack(*p)).collect();
+        near.iter().sum::<f32>() / near.len() as f32
+    };
+    let (plain, exact) = (off(&found.shape), off(&detailed));
+    assert!(exact < 0.3 * plain && exact < 3e-3, "{exact} m off with the detail, {plain} m without");
+    assert_ne!(detailed, found.shape, "another body for every cache");
+    let waist = |shape: &BodyShape| measure(body(), &body().shape(shape)).get(Measurement::Waist);
+    let worn = waist(&detailed);
+    assert!(worn > waist(&BodyShape::default()) + 1.0, "the tape goes around the belly: {worn} cm");
 }
 
 #[test]

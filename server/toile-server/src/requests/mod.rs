@@ -163,3 +163,7 @@ impl DrapeBody {
 pub fn member(name: &str) -> String {
     format!("/{}", escape(name))
 }
+
+fn unused(field: &str, detail: &str) -> ApiError {
+    ApiError::new(Code::UnknownField, detail).at(format!("/{field}"))
+}

@@ -11,6 +11,8 @@ use toile_geometry::poses::KeyPose;
 use crate::assets::Assets;
 use crate::errors::{ApiError, Code};
 
+use super::unused;
+
 /// How a pose is described.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -61,10 +63,6 @@ impl PoseRequest {
             (PoseKind::Joints, ..) => Err(unused("id", "A pose of joints has no `id`.")),
         }
     }
-}
-
-fn unused(field: &str, detail: &str) -> ApiError {
-    ApiError::new(Code::UnknownField, detail).at(format!("/{field}"))
 }
 
 fn unknown_pose(id: &str) -> ApiError {

@@ -161,11 +161,10 @@ async fn of_scan(app: App, request: Request) -> Result<Json<SolvedBody>, ApiErro
         UploadForm::<ScanMetadata>::from_request(request, &app).await?;
     let assets = Arc::clone(&app.service.assets);
     let work = move |_: &mut dyn toile_drape::network::Networks| {
-        let fit = scan::body(&assets, &file, file_name.as_deref(), &metadata)?;
-        let achieved = measure(assets.body(), &assets.body().shape(&fit.shape));
-        let solution =
-            Solution { shape: fit.shape.clone(), achieved, residuals: BTreeMap::new(), iterations: 0 };
-        Ok::<_, ApiError>(SolvedBody { scan: Some(ScanView::new(&fit)), ..solved_body(&assets, &solution) })
+        let (shape, view) = scan::body(&assets, &file, file_name.as_deref(), &metadata)?;
+        let achieved = measure(assets.body(), &assets.body().shape(&shape));
+        let solution = Solution { shape, achieved, residuals: BTreeMap::new(), iterations: 0 };
+        Ok::<_, ApiError>(SolvedBody { scan: Some(view), ..solved_body(&assets, &solution) })
     };
     Ok(Json(app.service.workers.run(work).await??))
 }
