@@ -34,8 +34,8 @@ NOISE, TURN = 0.002, np.radians(40)
 class Service:
     """A running server."""
 
-    def __init__(self, address: str) -> None:
-        self.address = address
+    def __init__(self, address: str, method: str) -> None:
+        self.address, self.method = address, method
 
     def post(self, path: str, body: bytes, kind: str) -> bytes:
         request = urllib.request.Request(f"{self.address}{path}", body, {"content-type": kind})
@@ -55,11 +55,11 @@ class Service:
         return json.loads(self.post(path, form, f"multipart/form-data; boundary={boundary}"))
 
     def drape(self, outfit: str, body: dict, rotations: Rotations) -> dict[str, Floats]:
-        """Positions of every node of a drape by GarNet."""
+        """Positions of every node of a drape."""
         joints = {name: [float(x) for x in q] for name, q in rotations.items()}
         request = {
             "outfit": outfit, "body": body, "pose": {"kind": "joints", "rotations": joints},
-            "output": {"include": ["outfit", "body"], "method": "garnet"},
+            "output": {"include": ["outfit", "body"], "method": self.method},
         }  # fmt: skip
         glb = self.post("/v1/drapes", json.dumps(request).encode(), "application/json")
         scene = trimesh.load(io.BytesIO(glb), file_type="glb", process=False)
@@ -96,10 +96,11 @@ def distance(draped: dict[str, Floats], garment: str, truth: Floats, skin: Float
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--server", default="http://127.0.0.1:8080")
+    p.add_argument("--method", default="garnet", help="or deepsd, skinning: to compare with")
     p.add_argument("--drapes", type=Path, default=GARNET)
     p.add_argument("--poses", type=int, default=2, help="of each body")
     a = p.parse_args()
-    service, body, split, garments = Service(a.server), AnnyBody.load(), SPLITS[2], samples(a.drapes)
+    service, body, split, garments = Service(a.server, a.method), AnnyBody.load(), SPLITS[2], samples(a.drapes)
     (shapes, poses), bank = bodies_and_poses(split), split.bank()
     found: dict[str, list[tuple[float, float]]] = {kind: [] for kind in PATTERNS}
     ids = {}
