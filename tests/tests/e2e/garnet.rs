@@ -22,6 +22,9 @@ fn an_outfit_whose_kinds_are_stated_is_draped_by_the_network_of_its_kind() {
     let answer = server.drape_json(&request(id, json!({"method": "garnet"}))).with_status(200).json();
     assert_eq!(answer["method"], "garnet");
     assert!(answer["quality"]["penetration_after_percent"].as_f64().unwrap() < 2.0, "{answer}");
+    let long = vec![json!({"kind": "preset", "id": "walk-2"}); 65];
+    let long = json!({"outfit": id, "poses": long, "output": {"method": "garnet"}});
+    server.drape(&long).assert_problem(400, "too-many-frames", Some("/poses"));
     let walk = json!({"outfit": id, "motion": "walk", "output": {"method": "garnet"}});
     assert_valid_glb(&server.drape(&walk).with_status(200).bytes);
 }
