@@ -24,6 +24,8 @@ use crate::pose::Pose;
 
 /// Heights of people, metres.
 const HEIGHTS: std::ops::RangeInclusive<f32> = 1.0..=2.4;
+/// Widest mesh that is looked at, metres.
+const WIDEST: f32 = 20.0;
 /// Fewest vertices of a scan.
 const FEWEST: usize = 500;
 /// Steps, and how far from the body scan points are believed at the first and at the last one, metres.
@@ -93,12 +95,11 @@ pub fn fit(body: &Body, scan: &Mesh) -> Result<ScanFit, ScanError> {
     if scan.positions.len() < FEWEST {
         return Err(ScanError::TooCoarse { found: scan.positions.len() });
     }
-    let surface = Surface::new(scan).ok_or(ScanError::NoTriangles)?;
-    let (low, high) = surface.bounds();
-    let height = high.y - low.y;
+    let height = height(scan).ok_or(ScanError::NoTriangles)?;
     if !HEIGHTS.contains(&height) {
         return Err(ScanError::Height { height });
     }
+    let surface = Surface::new(scan).ok_or(ScanError::NoTriangles)?;
     let compared = Compared::new(body);
     let facing = (0..4).filter_map(|quarters| Some(compared.placed(surface.turned(quarters)?, height)));
     let nearest = facing.min_by(|(a, ..), (b, ..)| a.total_cmp(b)).ok_or(ScanError::NoTriangles)?;
@@ -109,6 +110,13 @@ pub fn fit(body: &Body, scan: &Mesh) -> Result<ScanFit, ScanError> {
         compared.step(&mut unknowns, &surface, reach, 0..COUNT);
     }
     compared.judged(&unknowns, &surface)
+}
+
+/// Height of the triangles, metres, infinite where they are wider than any room; none without triangles.
+fn height(scan: &Mesh) -> Option<f32> {
+    let corners = || scan.triangles.iter().flatten().filter_map(|&i| scan.positions.get(i as usize)).copied();
+    let (low, high) = (corners().reduce(Vec3::min)?, corners().reduce(Vec3::max)?);
+    Some(if (high - low).max_element() < WIDEST { high.y - low.y } else { f32::INFINITY })
 }
 
 /// The vertices of the body that are compared with a scan.

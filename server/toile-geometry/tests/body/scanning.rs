@@ -110,6 +110,9 @@ fn what_is_no_person_is_refused() {
         triangles: person.triangles.clone(),
     };
     assert!(matches!(fit(body(), &scaled(0.01)), Err(ScanError::Height { .. })));
+    let mut wild = person.clone();
+    wild.positions[7] = Vec3::new(3e38, 1.0, -3e38);
+    assert!(matches!(fit(body(), &wild), Err(ScanError::Height { .. })));
     let few = Mesh { positions: person.positions[..100].to_vec(), triangles: Vec::new() };
     assert_eq!(fit(body(), &few), Err(ScanError::TooCoarse { found: 100 }));
     let points = Mesh { triangles: Vec::new(), ..person.clone() };
