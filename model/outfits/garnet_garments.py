@@ -1,11 +1,18 @@
-"""The four garments that GarNet drapes: T-shirt, sweater, dress and jeans (Gundogdu et al. 2020, section 4.2)."""
+"""The four garments that GarNet drapes: T-shirt, sweater, dress and jeans (Gundogdu et al. 2020, section 4.2).
+
+`python -m outfits.garnet_garments` writes them as OBJ, for `toile evaluate --method garnet --kind KIND`.
+"""
 
 from __future__ import annotations
+
+import argparse
+from pathlib import Path
 
 from body.anny_body import AnnyBody
 
 from .body_fields import body_fields
 from .generate import assemble
+from .held_out import write_obj
 from .mesh import OutfitMesh
 from .pattern import Pattern
 
@@ -35,3 +42,18 @@ def garnet_garment(kind: str, density: int = DENSITY) -> OutfitMesh:
     model = AnnyBody.load()
     worn = assemble([PATTERNS[kind]], body_fields(model, model.shape()), [(density, "isotropic")])
     return OutfitMesh(kind, 0, worn)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path("data/garnet"))
+    parser.add_argument("--density", type=int, default=DENSITY, help="vertices a square metre")
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    for kind in PATTERNS:
+        write_obj(garnet_garment(kind, args.density), args.out / f"{kind}.obj")
+        print(args.out / f"{kind}.obj", flush=True)
+
+
+if __name__ == "__main__":
+    main()
