@@ -63,11 +63,12 @@ fn a_field_that_is_missing() {
     assert_refused(json!({"pose": {"kind": "preset"}}), 400, "missing-field", "/pose");
     assert_refused(json!({"pose": {"kind": "joints"}}), 400, "missing-field", "/pose");
     assert_refused(json!({"body": {}}), 400, "missing-field", "/body");
+    assert_refused(json!({"body": {"kind": "scan"}}), 400, "missing-field", "/body");
 }
 
 #[test]
 fn a_field_of_the_wrong_kind() {
-    assert_refused(json!({"body": {"kind": "scan"}}), 400, "invalid-field", "/body/kind");
+    assert_refused(json!({"body": {"kind": "portrait"}}), 400, "invalid-field", "/body/kind");
     assert_refused(joints(json!({"hips": [0, 0, 1]})), 400, "invalid-field", "/pose/rotations/hips");
     assert_refused(json!({"output": {"method": "magic"}}), 400, "invalid-field", "/output/method");
     assert_refused(json!({"output": {"include": []}}), 400, "invalid-field", "/output/include");
