@@ -170,7 +170,7 @@ test("a file that is not a garment is refused with the reason", async () => {
   await room.tab("outfits");
   const file = { name: "letter.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("Dear Sir or Madam") };
   await room.page.setInputFiles("#upload-file", file);
-  const error = room.page.locator(".upload .field-error");
+  const error = room.page.locator("#panel-outfits .upload .field-error");
   await error.waitFor();
   assert.ok((await error.textContent()).length > 20);
   await room.screenshot("upload-error");
