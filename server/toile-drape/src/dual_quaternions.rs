@@ -76,13 +76,7 @@ mod tests {
         let twist = Affine3A::from_rotation_x(3.0);
         let rest = [Vec3::new(0.0, 0.1, 0.0)];
         let half = warp(&rest, &[[0, 1, 0, 0]], &[[0.5, 0.5, 0.0, 0.0]], &[Affine3A::IDENTITY, twist]);
-        assert!((half[0].length() - 0.1).abs() < 1e-6, "{}", half[0]);
-        let whole = warp(
-            &rest,
-            &[[0, 1, 0, 0]],
-            &[[0.5, 0.5, 0.0, 0.0]],
-            &[Affine3A::IDENTITY, Affine3A::from_rotation_x(3.0 - 2.0 * std::f32::consts::PI)],
-        );
-        assert!(half[0].distance(whole[0]) < 1e-5 || half[0].distance(-whole[0]) < 1e-5);
+        let (sin, cos) = 1.5_f32.sin_cos();
+        assert!(half[0].distance(0.1 * Vec3::new(0.0, cos, sin)) < 1e-6, "{}", half[0]);
     }
 }

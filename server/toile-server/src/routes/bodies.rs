@@ -16,7 +16,7 @@ use super::App;
 use super::answer::{Etag, GLB, REVALIDATE};
 use super::multipart::UploadForm;
 use crate::assets::Assets;
-use crate::errors::{ApiError, Code};
+use crate::errors::ApiError;
 use crate::json::JsonBody;
 use crate::measurements::{ParameterView, solve as solve_measurements};
 use crate::requests::BodyRequest;
@@ -155,8 +155,7 @@ pub async fn solve(State(app): State<App>, mut request: Request) -> Result<Json<
 }
 
 async fn of_scan(app: App, request: Request) -> Result<Json<SolvedBody>, ApiError> {
-    let busy = |_| ApiError::new(Code::Overloaded, "Too many uploads at once; try again shortly.");
-    let _turn = app.uploads.try_acquire().map_err(busy)?;
+    let _turn = app.upload_turn()?;
     let UploadForm { file, file_name, metadata } =
         UploadForm::<ScanMetadata>::from_request(request, &app).await?;
     let assets = Arc::clone(&app.service.assets);

@@ -21,7 +21,7 @@ use axum::http::{HeaderName, Method, header};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
-use tokio::sync::Semaphore;
+use tokio::sync::{Semaphore, SemaphorePermit};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::cors::{Any as AnyOrigin, CorsLayer};
 use tower_http::timeout::RequestBodyTimeoutLayer;
@@ -56,6 +56,15 @@ impl App {
     /// The state of a server.
     pub fn new(service: Arc<Service>, lifecycle: Lifecycle) -> Self {
         Self { service, lifecycle, uploads: Arc::new(Semaphore::new(MAX_UPLOADS)) }
+    }
+
+    /// A turn to hold an upload in memory.
+    ///
+    /// # Errors
+    /// `overloaded` while there are as many as there may be.
+    fn upload_turn(&self) -> Result<SemaphorePermit<'_>, ApiError> {
+        let busy = |_| ApiError::new(Code::Overloaded, "Too many uploads at once; try again shortly.");
+        self.uploads.try_acquire().map_err(busy)
     }
 }
 

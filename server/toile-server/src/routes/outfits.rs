@@ -93,8 +93,7 @@ fn location(id: &str) -> String {
 
 /// `POST /v1/outfits`
 pub async fn upload(State(app): State<App>, request: Request) -> Result<Response, ApiError> {
-    let busy = |_| ApiError::new(Code::Overloaded, "Too many uploads at once; try again shortly.");
-    let _turn = app.uploads.try_acquire().map_err(busy)?;
+    let _turn = app.upload_turn()?;
     let mut timing = ServerTiming::default();
     let started = std::time::Instant::now();
     let UploadForm { file, file_name, metadata } = UploadForm::from_request(request, &app).await?;
