@@ -8,6 +8,7 @@ import pytest
 from fabric import Fabric
 from garment.graph import mesh_edges
 from teacher.checks import Limits, judge, lengths
+from teacher.race import whole
 from teacher.simulation import Cloth, Settings, equilibrium, kept_off
 
 DOWN = np.array([0.0, -Fabric.gravity, 0.0])
@@ -75,3 +76,12 @@ def test_corners_of_large_triangles_keep_farther_off_where_there_is_room() -> No
     s = Settings()
     assert np.allclose(kept_off(small, s), s.radius, atol=1e-3)
     assert np.allclose(kept_off(large, s), s.most_off)
+
+
+def test_the_race_reads_the_time_of_a_method() -> None:
+    report = (
+        "| once | ms |\n|---|---:|\n\n| stage, median ms | deepsd | garnet |\n|---|---:|---:|\n| whole | 3.0 | 68.9 |"
+    )
+    assert whole(report, "garnet") == 68.9
+    with pytest.raises(ValueError, match="not in list"):
+        whole(report, "pixel_cloth")
