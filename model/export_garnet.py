@@ -27,16 +27,17 @@ class ExportedGarNet(nn.Module):
         self.net = net
 
     def forward(
-        self, garment: Tensor, body: Tensor, ring: Tensor, ring_weight: Tensor, thinned: Tensor, pooled: Tensor
+        self, garment: Tensor, turn: Tensor, body: Tensor, ring: Tensor, share: Tensor, thinned: Tensor, pooled: Tensor
     ) -> Tensor:
-        near = Neighbours(ring, ring_weight, thinned, pooled[None])
-        return self.net(garment[None], body[None], near)[0]
+        near = Neighbours(ring, share, thinned, pooled[None])
+        return self.net(garment[None], turn[None], body[None], near)[0]
 
 
 def spec(kind: str, net: GarNet) -> GraphSpec:
     """The graph of one garment, local variant; positions are less the middle of the nodes, warped and at rest."""
     inputs = [
         Port("garment", ("nodes", 6), "m", "world, rest"),
+        Port("turn", ("nodes", 3, 3), "1", "world from rest"),
         Port("body", ("points", 3), "m", "world"),
         Port("ring", ("nodes", RING), "index", dtype="int64"),
         Port("ring_weight", ("nodes", RING), "1"),

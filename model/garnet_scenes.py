@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ from torch import Tensor
 
 import garnet_losses as losses
 from garment import garnet_tables as tables
-from garment.dual_quaternions import warp
+from garment.dual_quaternions import blended, warp
 from garment.graph import build
 from garment.refine import refined
 from garnet_data import GARNET, Split, samples
@@ -68,6 +68,7 @@ class Scenes:
     """D drapes of one garment, each about the middle of its warped nodes."""
 
     nodes: Tensor  # (D, M, 6) warped, and at rest on the reference body less their middle
+    turn: Tensor  # (D, M, 3, 3) of the nodes by skinning, world from rest
     warped: Tensor  # (D, N, 3)
     truth: Tensor  # (D, N, 3)
     body: Tensor  # (D, B, 3)
@@ -84,11 +85,9 @@ class Scenes:
     def mirrored(self) -> Scenes:
         """Left and right exchanged, which neither cloth nor gravity notices."""
         flip = torch.tensor([-1.0, 1, 1])
-        turned = (
-            flip.repeat(x.shape[-1] // 3) * x
-            for x in (self.nodes, self.warped, self.truth, self.body, self.body_normals)
-        )
-        return Scenes(*turned, self.pooled, self.which)
+        turn = flip[:, None] * self.turn * flip
+        others = (flip * x for x in (self.warped, self.truth, self.body, self.body_normals))
+        return Scenes(flip.repeat(2) * self.nodes, turn, *others, self.pooled, self.which)
 
     def near(self, garment: Garment) -> Neighbours:
         return Neighbours(garment.ring, garment.ring_weight, garment.thinned, self.pooled.long())
@@ -108,38 +107,46 @@ def load(kind: str, split: Split, bank: BodyBank, folder: Path = GARNET) -> tupl
             continue
         rest = carry(sample, bank, entry)[0].double().numpy()
         transforms = entry.transforms[list(kept)].double().numpy()
-        nodes, warped = warped_on(sample, garment, rest, transforms)
+        warped = warped_on(sample, garment, rest, transforms)
         rows += [
-            (*_scene(garment, n, w, x, entry.vertices[p], entry.normals[p]), torch.tensor([k, p]))
-            for n, w, (p, x) in zip(nodes, warped, kept.items(), strict=True)
+            (*_scene(garment, Warped(*one), x, entry.vertices[p], entry.normals[p]), torch.tensor([k, p]))
+            for *one, (p, x) in zip(*astuple(warped), kept.items(), strict=True)
         ]
     if not rows:
         raise FileNotFoundError(f"no drapes of {kind} under {folder}: run `python -m garnet_data` first")
     return garment, Scenes(*(torch.stack(column) for column in zip(*rows, strict=True)))
 
 
-def warped_on(
-    sample: Sample, garment: Garment, rest: np.ndarray, transforms: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (P, M, 3) and vertices (P, N, 3) where dual-quaternion skinning by the body's weights puts them.
+@dataclass(frozen=True)
+class Warped:
+    """Where dual-quaternion skinning by the body's weights puts a garment, in P poses or in one."""
+
+    nodes: np.ndarray  # (P, M, 3)
+    turns: np.ndarray  # (P, M, 3, 3) of the nodes, world from rest
+    vertices: np.ndarray  # (P, N, 3)
+
+
+def warped_on(sample: Sample, garment: Garment, rest: np.ndarray, transforms: np.ndarray) -> Warped:
+    """The garment in poses of a body.
 
     rest (N, 3): vertices on that body. transforms (P, J, 3, 4).
     """
     support = garment.support.numpy(), garment.support_weight.double().numpy()
     reference, drawn = garment.nodes.double().numpy(), sample.vertices.double().numpy()
     nodes = tables.nodes_on_body(reference, drawn, rest, *support)
-    parts = (nodes, top_four(sample.prior)), (rest, influences(sample))
-    one, two = (warp(x, w.double().numpy(), joint.numpy(), transforms) for x, (w, joint) in parts)
-    return one, two
+    weight, joint = top_four(sample.prior)
+    motions = blended(weight.double().numpy(), joint.numpy(), transforms)
+    weight, joint = influences(sample)
+    return Warped(motions.move(nodes), motions.turns(), warp(rest, weight.double().numpy(), joint.numpy(), transforms))
 
 
-def _scene(
-    garment: Garment, nodes: np.ndarray, warped: np.ndarray, truth: np.ndarray, skin: Tensor, normals: Tensor
-) -> tuple[Tensor, ...]:
+def _scene(garment: Garment, one: Warped, truth: np.ndarray, skin: Tensor, normals: Tensor) -> tuple[Tensor, ...]:
     """One row of `Scenes`, less which it is."""
-    middle = nodes.mean(0)
+    middle = one.nodes.mean(0)
     body = skin[garment.points].double().numpy()
-    pooled = tables.nearest_thinned(nodes, body, garment.thinned.numpy(), POOLED)
+    pooled = tables.nearest_thinned(one.nodes, body, garment.thinned.numpy(), POOLED)
     rest = garment.nodes - garment.nodes.mean(0)
-    nodes, *others = [torch.as_tensor(x - middle, dtype=torch.float32) for x in (nodes, warped, truth, body)]
-    return (torch.cat([nodes, rest], 1), *others, normals[garment.points], torch.as_tensor(pooled, dtype=torch.int32))
+    places = (one.nodes, one.vertices, truth, body)
+    nodes, *others = [torch.as_tensor(x - middle, dtype=torch.float32) for x in places]
+    turn, pooled = torch.as_tensor(one.turns).float(), torch.as_tensor(pooled, dtype=torch.int32)
+    return (torch.cat([nodes, rest], 1), turn, *others, normals[garment.points], pooled)

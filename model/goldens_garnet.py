@@ -7,6 +7,7 @@ network and posed vertices (before the resolve), all computed here, into artifac
 from __future__ import annotations
 
 import json
+from dataclasses import astuple
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,7 +18,7 @@ from safetensors.numpy import save_file
 from body.anny_body import AnnyBody
 from export import ARTIFACTS, run_onnx
 from garment import garnet_tables as tables
-from garnet_scenes import Garment, warped_on
+from garnet_scenes import Garment, Warped, warped_on
 from goldens_deepsd import POSES, SHAPE, reference_entry, small_bank
 from nets.garnet import POOLED
 from outfits.dataset import save
@@ -34,30 +35,32 @@ def tensors(sample: Sample, raw: dict[str, np.ndarray]) -> dict[str, np.ndarray]
     entry = reference_entry(body, bank)
     garment = Garment.of(sample, bank)
     rest = carry(sample, bank, entry)[0].double().numpy()
-    nodes, warped = warped_on(sample, garment, rest, entry.transforms.double().numpy())
-    posed = [_posed(garment, *frame) for frame in zip(nodes, warped, entry.vertices.double().numpy(), strict=True)]
+    warped = warped_on(sample, garment, rest, entry.transforms.double().numpy())
+    frames = zip(*astuple(warped), entry.vertices.double().numpy(), strict=True)
+    posed = [_posed(garment, Warped(*frame), skin) for *frame, skin in frames]
     return {
         "vertices": raw["vertices"], "triangles": raw["triangles"].astype(np.uint32),
         "points": garment.points.numpy().astype(np.uint32), "thinned": garment.thinned.numpy().astype(np.uint32),
-        "warped": warped.astype(np.float32), "posed": np.stack(posed).astype(np.float32),
+        "warped": warped.vertices.astype(np.float32), "posed": np.stack(posed).astype(np.float32),
     }  # fmt: skip
 
 
-def _posed(garment: Garment, nodes: np.ndarray, warped: np.ndarray, skin: np.ndarray) -> np.ndarray:
+def _posed(garment: Garment, one: Warped, skin: np.ndarray) -> np.ndarray:
     """One drape by the exported network, (N, 3)."""
     rest = garment.nodes.numpy()
-    middle, body = nodes.mean(0), skin[garment.points.numpy()]
+    middle, body = one.nodes.mean(0), skin[garment.points.numpy()]
     inputs = {
-        "garment": np.concatenate([nodes - middle, rest - rest.mean(0)], 1).astype(np.float32),
+        "garment": np.concatenate([one.nodes - middle, rest - rest.mean(0)], 1).astype(np.float32),
+        "turn": one.turns.astype(np.float32),
         "body": (body - middle).astype(np.float32),
         "ring": garment.ring.numpy(),
         "ring_weight": garment.ring_weight.numpy(),
         "thinned": garment.thinned.numpy(),
-        "pooled": tables.nearest_thinned(nodes, body, garment.thinned.numpy(), POOLED),
+        "pooled": tables.nearest_thinned(one.nodes, body, garment.thinned.numpy(), POOLED),
     }
     (translations,) = run_onnx(ARTIFACTS / "garnet" / f"{KIND}.onnx", inputs)
     read = garment.support_weight.numpy()[..., None] * translations[garment.support.numpy()]
-    return warped + read.sum(1)
+    return one.vertices + read.sum(1)
 
 
 def main() -> None:

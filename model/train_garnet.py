@@ -20,6 +20,7 @@ import torch
 from torch import Tensor, nn
 
 import garnet_losses as losses
+import optimisers
 from garnet_data import GARNET, SPLITS
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
@@ -38,7 +39,7 @@ class Settings:
 
     minutes: float
     batch: int = 2
-    rate: float = 1e-3
+    rate: float = 4e-3
     steps: int = 10**9  # stop after this many, for smoke runs
     curvature: str = ""  # fine-tuning by "rq" or "mc"
     seed: int = 0
@@ -46,7 +47,7 @@ class Settings:
 
 def draped(net: GarNet, garment: Garment, s: Scenes) -> Tensor:
     """Equation 1: where skinning puts the cloth, and the network's translations, read at the vertices. (D, N, 3)."""
-    translations = net(s.nodes, s.body, s.near(garment))
+    translations = net(s.nodes, s.turn, s.body, s.near(garment))
     return s.warped + (garment.support_weight[..., None] * translations[:, garment.support]).sum(2)
 
 
@@ -78,13 +79,12 @@ def balanced(net: GarNet, garment: Garment, scenes: Scenes, kind: str) -> dict[s
 
 
 def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
-    """The training loop: Adam, cosine rate, a log line every hundred steps."""
+    """The training loop: Muon and Adam, cosine rate, a log line every hundred steps."""
     rng, started = np.random.default_rng(s.seed), time.time()
-    tools, count, history = torch.optim.Adam(net.parameters(), s.rate), 0, []
+    tools, count, history = optimisers.muon_and_adam(net, s.rate, ()), 0, []
     weights = balanced(net, garment, scenes, s.curvature) if s.curvature else {}
     while (progress := (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
-        for group in tools.param_groups:
-            group["lr"] = s.rate * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
+        optimisers.set_rate(tools, s.rate * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress))))
         batch = scenes.pick(torch.as_tensor(rng.integers(len(scenes), size=s.batch)))
         batch = batch.mirrored() if rng.random() < 0.5 else batch
         x = draped(net, garment, batch)
@@ -92,8 +92,7 @@ def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
         terms |= {k: weights[k] * v for k, v in curvature(x, garment, batch, s.curvature).items()}
         torch.stack(list(terms.values())).sum().backward()
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
-        tools.step()
-        tools.zero_grad()
+        optimisers.step(tools)
         count += 1
         history.append({k: v.item() for k, v in terms.items()})
         if count % 100 == 0:
@@ -114,7 +113,7 @@ def main() -> None:
     p.add_argument("--curvature", choices=["", "rq", "mc"], default="")
     p.add_argument("--minutes", type=float, default=10)
     p.add_argument("--resume", action="store_true", help="go on from the same run's weights")
-    p.add_argument("--rate", type=float, help="highest rate of Adam; 1e-3, or 3e-4 where a run goes on from another")
+    p.add_argument("--rate", type=float, help="highest rate; 4e-3, or 1e-3 where a run goes on from another")
     p.add_argument("--drapes", type=Path, default=GARNET)
     a = p.parse_args()
     torch.manual_seed(0)
@@ -124,7 +123,7 @@ def main() -> None:
     net = GarNet(Sizes(variant=a.variant))
     if a.curvature or a.resume:
         net.load_state_dict(torch.load(checkpoint(a.garment, a.variant, a.curvature if a.resume else "")))
-    rate = a.rate or (3e-4 if a.curvature or a.resume else 1e-3)
+    rate = a.rate or (1e-3 if a.curvature or a.resume else 4e-3)
     learn(net, garment, scenes, Settings(a.minutes, curvature=a.curvature, rate=rate))
     RUNS.mkdir(parents=True, exist_ok=True)
     torch.save(net.state_dict(), checkpoint(a.garment, a.variant, a.curvature))

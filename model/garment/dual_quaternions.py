@@ -5,6 +5,8 @@ Quaternions xyzw. Transforms are rigid, world from A-pose, metres.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -13,15 +15,40 @@ Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
 
-def warp(rest: Floats, weight: Floats, joint: Ints, transforms: Floats) -> Floats:
-    """Cloth (N, 3) of the A-pose in several poses, (P, N, 3).
+@dataclass(frozen=True)
+class Motions:
+    """Rigid motions of N points in P poses, world from A-pose: unit quaternions and their dual parts, (P, N, 4)."""
+
+    real: Floats
+    dual: Floats
+
+    def move(self, rest: Floats) -> Floats:
+        """Points (N, 3) of the A-pose in every pose, (P, N, 3)."""
+        return np.stack([
+            Rotation.from_quat(real).apply(rest) + 2 * _multiply(dual, real * [-1, -1, -1, 1])[:, :3]
+            for real, dual in zip(self.real, self.dual, strict=True)
+        ])  # fmt: skip
+
+    def turns(self) -> Floats:
+        """Rotation matrices (P, N, 3, 3)."""
+        return np.stack([Rotation.from_quat(real).as_matrix() for real in self.real])
+
+
+def blended(weight: Floats, joint: Ints, transforms: Floats) -> Motions:
+    """Motions of points that follow several joints.
 
     weight, joint (N, K): influences, rows of weights sum to 1, the largest first. transforms (P, J, 3, 4).
     """
-    return np.stack([_warp_one(rest, weight, joint, pose) for pose in transforms])
+    real, dual = zip(*(_blended_in(weight, joint, pose) for pose in transforms), strict=True)
+    return Motions(np.stack(real), np.stack(dual))
 
 
-def _warp_one(rest: Floats, weight: Floats, joint: Ints, transforms: Floats) -> Floats:
+def warp(rest: Floats, weight: Floats, joint: Ints, transforms: Floats) -> Floats:
+    """Cloth (N, 3) of the A-pose in several poses, (P, N, 3); arguments as of `blended`."""
+    return blended(weight, joint, transforms).move(rest)
+
+
+def _blended_in(weight: Floats, joint: Ints, transforms: Floats) -> tuple[Floats, Floats]:
     turn = Rotation.from_matrix(transforms[:, :, :3]).as_quat()
     dual = 0.5 * _multiply(np.pad(transforms[:, :, 3], ((0, 0), (0, 1))), turn)
     # A quaternion and its negative turn alike; blended they must lie on the side of the strongest influence.
@@ -29,9 +56,7 @@ def _warp_one(rest: Floats, weight: Floats, joint: Ints, transforms: Floats) -> 
     share = weight[..., None] * np.where(side == 0, 1, side)
     real, moved = (share * turn[joint]).sum(1), (share * dual[joint]).sum(1)
     length = np.linalg.norm(real, axis=1, keepdims=True)
-    real, moved = real / length, moved / length
-    conjugate = real * [-1, -1, -1, 1]
-    return Rotation.from_quat(real).apply(rest) + 2 * _multiply(moved, conjugate)[:, :3]
+    return real / length, moved / length
 
 
 def _multiply(a: Floats, b: Floats) -> Floats:

@@ -6,7 +6,9 @@ The variants of section 4.2: `naive` without mesh convolutions, `global` with th
 nearest body points as well. World space, metres. P drapes of one garment over M body points.
 
 Beyond the paper, a node also says where it lies in the garment's rest pose, so that a network of few drapes knows which
-part of the garment it is, and `local` the way to the body around it.
+part of the garment it is, and how skinning turns it: which way is up, and for `local` the way to the body around it,
+are told in the frame that turns with the cloth, and the translation is answered in it. So a sleeve need not be learned
+anew for every way that an arm points.
 
 The garment's points are the N nodes of its canonical graph (`garment.graph`), not its vertices: an answer then does
 not depend on the mesh's resolution, and a fine mesh costs what a coarse one does. Translations are read at vertices.
@@ -150,24 +152,24 @@ class Residual(nn.Module):
 
 
 class GarmentStream(nn.Module):
-    """Point-wise, patch-wise and global features of the warped garment, together: (P, N, 6) -> (P, N, `width`)."""
+    """Point-wise, patch-wise and global features of the warped garment, together: (P, N, 9) -> (P, N, `width`)."""
 
     def __init__(self, sizes: Sizes) -> None:
         super().__init__()
         self.align = SpatialTransformer(3, sizes)
-        self.points = Shared(6, sizes.point, sizes.point)
+        self.points = Shared(9, sizes.point, sizes.point)
         self.meet = Shared(sizes.point + sizes.whole, sizes.point)
         blocks = 0 if sizes.variant == "naive" else sizes.blocks
         self.patches = nn.ModuleList(Residual(sizes) for _ in range(blocks))
         if not blocks:
             self.plain = Shared(sizes.point, sizes.point)
         self.whole = Shared(sizes.point, sizes.whole)
-        self.width = 6 + 2 * sizes.point + sizes.whole
+        self.width = 9 + 2 * sizes.point + sizes.whole
 
     def forward(self, garment: Tensor, body: Tensor, near: Neighbours) -> Tensor:
         """body (P, whole): global features of the body, repeated for each node."""
-        count, (warped, rest) = garment.shape[1], garment.split(3, -1)
-        point = self.points(torch.cat([self.align(warped), rest], -1))
+        count, (warped, own) = garment.shape[1], garment.split((3, 6), -1)
+        point = self.points(torch.cat([self.align(warped), own], -1))
         # Convolutions of the body's features, alike at every node, would be most of the work: they are mixed in before.
         h = self.meet(torch.cat([point, body[:, None].expand(-1, count, -1)], -1))
         for block in self.patches:
@@ -190,17 +192,20 @@ class GarNet(nn.Module):
         nn.init.zeros_(self.fusion.layers[-1].weight)
         nn.init.zeros_(self.fusion.layers[-1].bias)
 
-    def forward(self, garment: Tensor, body: Tensor, near: Neighbours) -> Tensor:
-        """Metres: garment (P, N, 6), body (P, M, 3) -> translations (P, N, 3).
+    def forward(self, garment: Tensor, turn: Tensor, body: Tensor, near: Neighbours) -> Tensor:
+        """Metres: garment (P, N, 6), turn (P, N, 3, 3), body (P, M, 3) -> translations (P, N, 3).
 
         A node is where it is warped to, less the origin that the body's points have too, and where it is at rest.
+        `turn` is what skinning turns it by, world from rest.
         """
-        garment, body = garment / LENGTH_UNIT, body / LENGTH_UNIT
+        # The world's up, y, in the frame of the node: a row of the world from rest is a column of its inverse.
+        garment = torch.cat([garment / LENGTH_UNIT, turn[..., 1, :]], -1)
+        body = body / LENGTH_UNIT
         points, whole = self.body(body)
         parts = [self.garment(garment, whole, near), whole[:, None].expand(-1, garment.shape[1], -1)]
         if self.sizes.variant == "local":
-            parts += [pooled(points, near), way_to_body(garment[..., :3], body, near)]
-        return self.fusion(torch.cat(parts, -1)) * OFFSET_UNIT
+            parts += [pooled(points, near), way_to_body(garment[..., :3], turn, body, near)]
+        return (turn @ self.fusion(torch.cat(parts, -1))[..., None])[..., 0] * OFFSET_UNIT
 
 
 def around(points: Tensor, near: Neighbours) -> Tensor:
@@ -215,7 +220,11 @@ def pooled(points: Tensor, near: Neighbours) -> Tensor:
     return around(points, near).amax(2)
 
 
-def way_to_body(warped: Tensor, body: Tensor, near: Neighbours) -> Tensor:
-    """From each node (P, N, 3) to the nearest thinned body point and to the middle of those around it, (P, N, 6)."""
+def way_to_body(warped: Tensor, turn: Tensor, body: Tensor, near: Neighbours) -> Tensor:
+    """From each node (P, N, 3) to the nearest thinned body point and to the middle of those around it, (P, N, 6).
+
+    In the frame of the node.
+    """
     points = around(body, near)
-    return torch.cat([points[:, :, 0], points.mean(2)], -1) - warped.repeat(1, 1, 2)
+    ways = torch.stack([points[:, :, 0], points.mean(2)], 2) - warped[:, :, None]
+    return (ways @ turn).flatten(2)

@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from scipy.spatial.transform import Rotation
 
-from garment.dual_quaternions import warp
+from garment.dual_quaternions import blended, warp
 from nets.deepsd import skin
 
 
@@ -42,3 +42,13 @@ def test_a_twisted_sleeve_keeps_its_girth() -> None:
     )
     assert np.linalg.norm(linear[0][0].numpy(), axis=1).max() < 0.01
     np.testing.assert_allclose(np.linalg.norm(warp(cuff, weight, joint, twist[None])[0], axis=1), 0.05, rtol=1e-6)
+
+
+def test_turns_are_what_motions_do_to_small_steps() -> None:
+    rng = np.random.default_rng(4)
+    rest, weight = rng.normal(size=(30, 3)), rng.dirichlet([1, 1], 30)
+    transforms = np.stack([rigid(Rotation.random(rng=rng), rng.normal(size=3)) for _ in range(2)])[None]
+    motions = blended(weight, np.arange(2)[None].repeat(30, 0), transforms)
+    step = np.array([0.01, -0.02, 0.03])
+    moved = motions.move(rest + step) - motions.move(rest)
+    np.testing.assert_allclose(moved[0], motions.turns()[0] @ step, atol=1e-9)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from scipy.spatial.transform import Rotation
 
 import garnet_losses as losses
 from export import export_method
@@ -19,8 +20,8 @@ VARIANTS: tuple[Variant, ...] = ("naive", "global", "local")
 
 
 @pytest.fixture(scope="module")
-def scene() -> tuple[torch.Tensor, torch.Tensor, np.ndarray]:
-    """A tube of cloth as drawn (1, N, 6) around a body of points (1, M, 3), and the tube's triangles."""
+def scene() -> tuple[torch.Tensor, torch.Tensor, torch.Tensor, np.ndarray]:
+    """A tube of cloth as drawn (1, N, 6), its nodes' turns (1, N, 3, 3), a body of points (1, M, 3), and triangles."""
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 24, endpoint=False), np.linspace(-0.3, 0.3, 15))
     tube = np.stack([0.15 * np.cos(u), v, 0.15 * np.sin(u)], -1).reshape(-1, 3)
     corner = np.arange(14)[:, None] * 24 + np.arange(24)[None]
@@ -29,8 +30,10 @@ def scene() -> tuple[torch.Tensor, torch.Tensor, np.ndarray]:
                                 ((corner, right, right + 24), (corner, right + 24, corner + 24))])  # fmt: skip
     rng = np.random.default_rng(2)
     body = rng.normal(size=(600, 3)) * [0.05, 0.25, 0.05]
+    turns = Rotation.random(len(tube), rng=rng).as_matrix()
     return (
         torch.as_tensor(np.concatenate([tube, tube], -1)[None]).float(),
+        torch.as_tensor(turns[None]).float(),
         torch.as_tensor(body[None]).float(),
         triangles,
     )
@@ -59,13 +62,13 @@ def awake(variant: Variant) -> GarNet:
 @pytest.mark.parametrize("variant", VARIANTS)
 @torch.no_grad()
 def test_the_order_of_nodes_and_points_does_not_matter(scene: tuple, variant: Variant) -> None:
-    garment, body, triangles = scene
+    garment, turn, body, triangles = scene
     net, rng = awake(variant), np.random.default_rng(0)
-    plain = net(garment, body, neighbours(garment, body, triangles))
+    plain = net(garment, turn, body, neighbours(garment, body, triangles))
     order, points = rng.permutation(garment.shape[1]), rng.permutation(body.shape[1])
     place = np.argsort(order)
     shuffled = garment[:, order], body[:, points], place[triangles]
-    answer = net(shuffled[0], shuffled[1], neighbours(*shuffled))
+    answer = net(shuffled[0], turn[:, order], shuffled[1], neighbours(*shuffled))
     assert plain.abs().max() > 1e-4
     torch.testing.assert_close(answer, plain[:, order], atol=1e-6, rtol=1e-4)
 
@@ -73,27 +76,38 @@ def test_the_order_of_nodes_and_points_does_not_matter(scene: tuple, variant: Va
 @pytest.mark.parametrize("variant", VARIANTS)
 @torch.no_grad()
 def test_it_begins_where_skinning_puts_the_cloth(scene: tuple, variant: Variant) -> None:
-    garment, body, triangles = scene
-    assert not GarNet(Sizes(variant=variant))(garment, body, neighbours(garment, body, triangles)).any()
+    garment, turn, body, triangles = scene
+    assert not GarNet(Sizes(variant=variant))(garment, turn, body, neighbours(garment, body, triangles)).any()
+
+
+@torch.no_grad()
+def test_cloth_is_told_and_answers_in_the_frame_that_turns_with_it(scene: tuple) -> None:
+    """The frames of the nodes turn about the world's up and nothing else changes: so does what they answer."""
+    garment, turn, body, triangles = scene
+    net, near = awake("global"), neighbours(garment, body, triangles)
+    about = torch.as_tensor(Rotation.from_rotvec([0, 0.7, 0]).as_matrix()).float()
+    torch.testing.assert_close(
+        net(garment, about @ turn, body, near), net(garment, turn, body, near) @ about.T, atol=1e-6, rtol=1e-4
+    )
 
 
 @torch.no_grad()
 def test_what_each_variant_sees(scene: tuple) -> None:
     """Body points move: all variants notice. Links of the mesh change: `naive` does not, nor is it pooled from."""
-    garment, body, triangles = scene
+    garment, turn, body, triangles = scene
     near = neighbours(garment, body, triangles)
     other_links = replace(near, ring=near.ring.roll(1, 0))
     other_pool = replace(near, pooled=near.pooled.flip(1))
     for variant, sees_links, pools in (("naive", False, False), ("global", True, False), ("local", True, True)):
         net = awake(variant)
-        plain = net(garment, body, near)
-        assert not torch.equal(plain, net(garment, 1.2 * body, near))
-        assert torch.equal(plain, net(garment, body, other_links)) != sees_links
-        assert torch.equal(plain, net(garment, body, other_pool)) != pools
+        plain = net(garment, turn, body, near)
+        assert not torch.equal(plain, net(garment, turn, 1.2 * body, near))
+        assert torch.equal(plain, net(garment, turn, body, other_links)) != sees_links
+        assert torch.equal(plain, net(garment, turn, body, other_pool)) != pools
 
 
 def test_thinned_points_cover_the_body(scene: tuple) -> None:
-    body = scene[1][0].numpy()
+    body = scene[2][0].numpy()
     thin = tables.thinned(body, THINNED, AVERAGED)
     assert 0.8 * len(body) / THINNED < len(thin) < 1.25 * len(body) / THINNED
     assert len(np.unique(thin)) > 0.8 * len(body)
@@ -112,14 +126,14 @@ def test_nodes_follow_the_vertices_around_them() -> None:
 
 
 def test_a_few_points_are_enough(scene: tuple) -> None:
-    garment, body, triangles = scene
+    garment, turn, body, triangles = scene
     few = body[:, :12]
-    assert torch.isfinite(GarNet(Sizes())(garment, few, neighbours(garment, few, triangles))).all()
+    assert torch.isfinite(GarNet(Sizes())(garment, turn, few, neighbours(garment, few, triangles))).all()
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_it_learns_a_drape(scene: tuple, variant: Variant) -> None:
-    garment, body, triangles = scene
+    garment, turn, body, triangles = scene
     near = neighbours(garment, body, triangles)
     cloth = garment[..., :3]
     truth = cloth + 0.02 * torch.sin(10 * cloth[..., 1:2]) * cloth / 0.15
@@ -129,7 +143,7 @@ def test_it_learns_a_drape(scene: tuple, variant: Variant) -> None:
     faces, pairs = torch.as_tensor(triangles), torch.as_tensor(losses.two_edges_apart(triangles))
     first = last = losses.vertices(cloth, truth).item()
     for _ in range(150):
-        x = cloth + net(garment, body, near)
+        x = cloth + net(garment, turn, body, near)
         loss = losses.vertices(x, truth) + 0.03 * losses.normals(x, truth, faces) + losses.bending(x, truth, pairs)
         tools.zero_grad()
         loss.backward()

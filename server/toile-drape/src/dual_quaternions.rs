@@ -1,12 +1,12 @@
 //! Skinning by blended dual quaternions (Kavan et al. 2007): limbs keep their girth where they twist.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Mat3, Quat, Vec3};
 
 use crate::static_pass::INFLUENCES;
 
-/// A rigid motion: a unit quaternion, and half the translation times it.
+/// A rigid motion: a quaternion, and half the translation times it.
 #[derive(Clone, Copy, Debug)]
-struct DualQuaternion {
+pub struct DualQuaternion {
     real: Quat,
     dual: Quat,
 }
@@ -18,10 +18,18 @@ impl DualQuaternion {
         Self { real, dual: Quat::from_xyzw(t.x, t.y, t.z, 0.0) * real * 0.5 }
     }
 
-    fn transform(self, point: Vec3) -> Vec3 {
+    /// The point moved. Metres.
+    #[must_use]
+    pub fn transform(self, point: Vec3) -> Vec3 {
         let length = self.real.length().max(f32::MIN_POSITIVE);
         let (real, dual) = (self.real * length.recip(), self.dual * length.recip());
         real * point + (dual * real.conjugate()).xyz() * 2.0
+    }
+
+    /// What it turns by.
+    #[must_use]
+    pub fn turn(self) -> Mat3 {
+        Mat3::from_quat(self.real * self.real.length().max(f32::MIN_POSITIVE).recip())
     }
 }
 
@@ -34,9 +42,17 @@ pub fn warp(
     weights: &[[f32; INFLUENCES]],
     transforms: &[Affine3A],
 ) -> Vec<Vec3> {
-    let motions: Vec<DualQuaternion> = transforms.iter().map(DualQuaternion::new).collect();
-    let influences = joints.iter().zip(weights);
-    rest.iter().zip(influences).map(|(p, (j, w))| blended(&motions, j, w).transform(*p)).collect()
+    rest.iter().zip(motions(joints, weights, transforms)).map(|(p, motion)| motion.transform(*p)).collect()
+}
+
+/// Motions of points that follow several joints by their influences, the strongest first.
+pub fn motions(
+    joints: &[[u8; INFLUENCES]],
+    weights: &[[f32; INFLUENCES]],
+    transforms: &[Affine3A],
+) -> impl Iterator<Item = DualQuaternion> {
+    let of_joints: Vec<DualQuaternion> = transforms.iter().map(DualQuaternion::new).collect();
+    joints.iter().zip(weights).map(move |(joint, weight)| blended(&of_joints, joint, weight))
 }
 
 fn blended(
@@ -69,6 +85,8 @@ mod tests {
         let rest = [Vec3::new(0.3, 1.0, 0.2)];
         let moved = warp(&rest, &[[0, 1, 0, 0]], &[[0.4, 0.6, 0.0, 0.0]], &[turn, turn]);
         assert!(moved[0].distance(turn.transform_point3(rest[0])) < 1e-6);
+        let motion = motions(&[[0, 1, 0, 0]], &[[0.4, 0.6, 0.0, 0.0]], &[turn, turn]).next().unwrap();
+        assert!(motion.turn().abs_diff_eq(Mat3::from(turn.matrix3), 1e-6));
     }
 
     #[test]

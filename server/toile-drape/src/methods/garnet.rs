@@ -3,10 +3,10 @@
 //! Equation 1: dual-quaternion skinning by the body's own weights, then a translation of every node of the canonical
 //! graph, read at the vertices. `model/garnet_scenes.py` puts the same inputs together for training.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Mat3, Vec3};
 
 use super::{GarmentKind, Method, Placement, Wearer};
-use crate::dual_quaternions::warp;
+use crate::dual_quaternions::{motions, warp};
 use crate::error::DrapeError;
 use crate::garnet_tables::{AVERAGED, POOLED};
 use crate::graph::NEIGHBOURS;
@@ -30,33 +30,16 @@ impl Method for Garnet {
         let nodes = nodes_on_body(wearer.statics, wearer.rest);
         let thinned: Vec<i64> = wearer.seen.thinned.as_flattened().iter().map(|&i| i64::from(i)).collect();
         let mut frames = Vec::with_capacity(wearer.transforms.len());
-        for (transforms, body) in wearer.transforms.iter().zip(wearer.bodies) {
-            let seen: Vec<Vec3> =
-                wearer.seen.points.iter().filter_map(|&i| body.vertices.get(i as usize)).copied().collect();
-            let scene = Scene {
-                wearer,
-                thinned: &thinned,
-                seen: &seen,
-                nodes: warped_nodes(wearer, &nodes, transforms),
-            };
+        for frame in 0..wearer.transforms.len() {
+            let scene = Scene::new(wearer, &thinned, &nodes, frame);
             let mut moved = vec![Vec3::ZERO; nodes.len()];
             for piece in &pieces {
                 scene.translate(piece, networks, &mut moved)?;
             }
-            let rig = &wearer.statics.rig;
-            let mut frame = warp(wearer.rest, &rig.prior_joints, &rig.prior_weights, transforms);
-            frame
-                .iter_mut()
-                .enumerate()
-                .for_each(|(v, p)| *p += wearer.statics.vertex_from_node.blended(v, &moved));
-            frames.push(frame);
+            frames.push(scene.cloth(&moved));
         }
         Ok(Placement::World(frames))
     }
-}
-
-fn warped_nodes(wearer: &Wearer<'_>, nodes: &[Vec3], transforms: &[Affine3A]) -> Vec<Vec3> {
-    warp(nodes, &wearer.statics.nodes.joints, &wearer.statics.nodes.weights, transforms)
 }
 
 /// One garment as its network sees it: a run of nodes and their ring.
@@ -115,11 +98,32 @@ fn nodes_on_body(statics: &StaticPass, rest: &[Vec3]) -> Vec<Vec3> {
 struct Scene<'a> {
     wearer: &'a Wearer<'a>,
     thinned: &'a [i64],
-    seen: &'a [Vec3],
+    seen: Vec<Vec3>,
+    transforms: &'a [Affine3A],
+    /// Where skinning puts the nodes, and by what it turns them, world from rest.
     nodes: Vec<Vec3>,
+    turns: Vec<Mat3>,
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// `nodes`: on the body, at rest.
+    fn new(wearer: &'a Wearer<'a>, thinned: &'a [i64], nodes: &[Vec3], frame: usize) -> Self {
+        let transforms = wearer.transforms.get(frame).map_or(&[][..], |frame| frame);
+        let skin = wearer.bodies.get(frame).map_or(&[][..], |body| &body.vertices);
+        let seen = wearer.seen.points.iter().filter_map(|&i| skin.get(i as usize)).copied().collect();
+        let rig = &wearer.statics.nodes;
+        let motions = motions(&rig.joints, &rig.weights, transforms);
+        let (nodes, turns) = nodes.iter().zip(motions).map(|(p, m)| (m.transform(*p), m.turn())).unzip();
+        Self { wearer, thinned, seen, transforms, nodes, turns }
+    }
+
+    /// The garments' vertices where skinning puts them, and the translations of the nodes read there. World, m.
+    fn cloth(&self, moved: &[Vec3]) -> Vec<Vec3> {
+        let (rig, read) = (&self.wearer.statics.rig, &self.wearer.statics.vertex_from_node);
+        let warped = warp(self.wearer.rest, &rig.prior_joints, &rig.prior_weights, self.transforms);
+        warped.into_iter().enumerate().map(|(v, p)| p + read.blended(v, moved)).collect()
+    }
+
     /// Runs a garment's network and writes the translations of its nodes.
     fn translate(
         &self,
@@ -130,16 +134,20 @@ impl Scene<'_> {
         let nodes: Vec<Vec3> = piece.nodes.iter().map(|&n| self.nodes[n]).collect();
         let count = nodes.len();
         let middle = nodes.iter().sum::<Vec3>() / count as f32;
-        let pooled = self.wearer.seen.pooled(self.seen, &nodes);
+        let pooled = self.wearer.seen.pooled(&self.seen, &nodes);
         let body: Vec<f32> = self.seen.iter().flat_map(|p| (*p - middle).to_array()).collect();
         let rows = nodes.iter().zip(&piece.rest).map(|(p, rest)| [(*p - middle).to_array(), rest.to_array()]);
         let garment: Vec<f32> = rows.flatten().flatten().collect();
+        // Row by row; glam keeps columns.
+        let turns: Vec<f32> =
+            piece.nodes.iter().flat_map(|&n| self.turns[n].transpose().to_cols_array()).collect();
         let thinned = [self.wearer.seen.thinned.len(), AVERAGED];
         let graph = piece.kind.graph();
         let answer = networks.run(
             graph,
             &[
                 ("garment", TensorRef::F32(&[count, 6], &garment)),
+                ("turn", TensorRef::F32(&[count, 3, 3], &turns)),
                 ("body", TensorRef::F32(&[self.seen.len(), 3], &body)),
                 ("ring", TensorRef::I64(&[count, RING], &piece.ring)),
                 ("ring_weight", TensorRef::F32(&[count, RING], &piece.ring_weight)),
