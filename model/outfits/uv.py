@@ -29,7 +29,7 @@ def unwrap(garment: GarmentMesh, pattern: Pattern, body: BodyFields) -> None:
 
 
 def _charts(centroids: Array, pattern: Pattern, body: BodyFields) -> Index:
-    chart = np.where(centroids[:, 2] > _centre(body.trunk, centroids[:, 1])[:, 1], FRONT, BACK)
+    chart = np.where(centroids[:, 2] > centre(body.trunk, centroids[:, 1])[:, 1], FRONT, BACK)
     if pattern.sleeve is not None:
         on_arm = (fl.armhole_seam(body)(centroids) > 0) & (centroids[:, 1] > 0.9)
         chart[on_arm] = np.where(centroids[on_arm, 0] > 0, SLEEVE_LEFT, SLEEVE_RIGHT)
@@ -39,7 +39,8 @@ def _charts(centroids: Array, pattern: Pattern, body: BodyFields) -> Index:
     return chart
 
 
-def _centre(outlines: Outlines, y: Array) -> Array:
+def centre(outlines: Outlines, y: Array) -> Array:
+    """x and z of the middle of the outlines at heights y (N,), (N, 2). Metres."""
     row = np.clip(np.round((y - OUTLINE_LOW) / OUTLINE_STEP).astype(int), 0, len(outlines.centre) - 1)
     return outlines.centre[row]
 
@@ -51,14 +52,14 @@ def _coordinates(p: Array, chart: int, body: BodyFields) -> Array:
         along, _ = arm_coordinates(p, body.arm)
         turn, radius = _around_arm(p, body, along)
         return np.stack([turn * radius, -along], 1)
-    offset = np.abs(p[:, 0]) - _centre(body.leg, p[:, 1])[:, 0], p[:, 2] - _centre(body.leg, p[:, 1])[:, 1]
+    offset = np.abs(p[:, 0]) - centre(body.leg, p[:, 1])[:, 0], p[:, 2] - centre(body.leg, p[:, 1])[:, 1]
     return np.stack([np.arctan2(offset[1], offset[0]) * 0.11, p[:, 1]], 1)
 
 
 def _arc(p: Array, outlines: Outlines, facing: float) -> Array:
     """Length along the horizontal outline from the centre front (facing 1) or centre back (-1)."""
-    centre = _centre(outlines, p[:, 1])
-    x, z = p[:, 0] - centre[:, 0], (p[:, 2] - centre[:, 1]) * facing
+    middle = centre(outlines, p[:, 1])
+    x, z = p[:, 0] - middle[:, 0], (p[:, 2] - middle[:, 1]) * facing
     row = np.clip(np.round((p[:, 1] - OUTLINE_LOW) / OUTLINE_STEP).astype(int), 0, len(outlines.radius) - 1)
     radius = outlines.radius if facing > 0 else outlines.radius[:, -np.arange(ANGLES) % ANGLES]
     step = np.hypot(radius, np.gradient(radius, axis=1) * ANGLES / (2 * np.pi)) * 2 * np.pi / ANGLES
