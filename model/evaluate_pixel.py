@@ -1,7 +1,8 @@
-"""What laying cloth flat and turning it into images costs pixel cloth: `python -m evaluate_pixel`.
+"""What laying cloth flat, turning it into images and wrapping it cost pixel cloth: `python -m evaluate_pixel`.
 
-The T-shirt of the method (Jin et al. 2020, section 6.1): stretch of its panels, and how far its vertices are from
-where its images say they are, which no network can undo. Values: places on the reference body, and folds.
+The T-shirt of the method (Jin et al. 2020, section 6.1): stretch of its panels, how far its vertices are from
+where its images say they are, which no network can undo, and how even it lies on the skin. Values: places on the
+reference body, and folds.
 """
 
 from __future__ import annotations
@@ -11,16 +12,37 @@ import argparse
 import numpy as np
 
 from body.anny_body import AnnyBody
+from garment.binding import bind, reference_surface
 from garment.cloth_image import Flat, cloth_images
+from garment.embedding import Skin, wrapped
 from garment.flat import stretch
+from garment.graph import build, mesh_edges
+from garment.refine import refined
 from outfits.body_fields import body_fields
 from outfits.garnet_garments import garnet_garment
+from outfits.mesh import GarmentMesh
 from outfits.panels import front_and_back
 
 #: Vertices per square metre: 2.7 thousand vertices.
 DENSITY = 3000
 #: m, length and depth of the folds that are carried.
 FOLD_LENGTH, FOLD_DEPTH = 0.08, 0.005
+
+
+def wrapping(garment: GarmentMesh) -> str:
+    """A line on the cloth wrapped tight on the reference body."""
+    v, t = garment.vertices, garment.triangles
+    fine, surface = refined(v, t), reference_surface()
+    graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
+    limb = bind(fine.vertices, graph).limb[: len(v)]
+    places = wrapped(v, t, limb, Skin(surface.vertices, AnnyBody.load().triangles, surface.touches)).places(
+        surface.vertices
+    )
+    edges = mesh_edges(t)
+    tight, rest = (np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) for x in (places, v))
+    low, high = np.percentile(tight / rest, [1, 99])
+    off = 100 * np.linalg.norm(places - v, axis=1).mean()
+    return f"wrapped: {off:.1f} cm away on average, edges {low:.2f} to {high:.2f} times as long (1 to 99 %)"
 
 
 def main() -> None:
@@ -43,6 +65,7 @@ def main() -> None:
     for name, values in (("places", v), (f"folds of {100 * FOLD_LENGTH:.0f} cm", folds)):
         off = 1e3 * np.linalg.norm(images.values(images.images(values)) - values, axis=1)
         print(f"| {name} | {off.mean():.2f} | {np.percentile(off, 99):.2f} | {off.max():.2f} |")
+    print(f"\n{wrapping(garment)}")
 
 
 if __name__ == "__main__":

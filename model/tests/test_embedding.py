@@ -1,0 +1,77 @@
+"""Cloth wrapped on a body lies on it, evenly, and goes where it goes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from body.anny_body import AnnyBody
+from garment.binding import bind, reference_surface
+from garment.embedding import Embedding, Skin, closest, wrapped
+from garment.graph import build, mesh_edges
+from garment.refine import refined
+from outfits.garnet_garments import garnet_garment
+from outfits.mesh import GarmentMesh
+
+
+@pytest.fixture(scope="module")
+def worn() -> tuple[GarmentMesh, Embedding]:
+    """A coarse T-shirt on the reference body."""
+    garment, surface = garnet_garment("tee", 1400).garments[0], reference_surface()
+    fine = refined(garment.vertices, garment.triangles)
+    graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
+    limb = bind(fine.vertices, graph).limb[: len(garment.vertices)]
+    skin = Skin(surface.vertices, AnnyBody.load().triangles, surface.touches)
+    return garment, wrapped(garment.vertices, garment.triangles, limb, skin)
+
+
+def test_the_nearest_point_of_a_triangle_is_as_near_as_a_search_says() -> None:
+    rng = np.random.default_rng(0)
+    corners, points = rng.normal(size=(200, 3, 3)), rng.normal(size=(200, 3))
+    u, v = np.meshgrid(np.linspace(0, 1, 120), np.linspace(0, 1, 120))
+    grid = np.stack([u, v, 1 - u - v], -1)[u + v <= 1 + 1e-9]
+    searched = np.linalg.norm(np.einsum("gk,mkd->mgd", grid, corners) - points[:, None], axis=2).min(1)
+    weight = closest(points, corners)
+    found = np.linalg.norm((weight[..., None] * corners).sum(1) - points, axis=1)
+    np.testing.assert_allclose(weight.sum(1), 1, atol=1e-9)
+    assert weight.min() > -1e-9
+    assert (found < searched + 1e-9).all()
+    np.testing.assert_allclose(found, searched, atol=0.03)
+
+
+def test_a_tee_lies_evenly_on_the_skin(worn: tuple[GarmentMesh, Embedding]) -> None:
+    garment, embedding = worn
+    surface = reference_surface()
+    places = embedding.places(surface.vertices)
+    moved = np.linalg.norm(places - garment.vertices, axis=1)
+    assert 0.005 < moved.mean() < 0.05
+    edges = mesh_edges(garment.triangles)
+    ratio, rest = (np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) for x in (places, garment.vertices))
+    low, high = np.percentile(ratio / rest, [1, 99])
+    assert low > 0.5
+    assert high < 1.7
+    a, b, c = (places[garment.triangles[:, k]] for k in range(3))
+    outward = embedding.normals(surface.normals)[garment.triangles].sum(1)
+    assert ((np.cross(b - a, c - a) * outward).sum(1) > 0).all(), "no triangle is turned over"
+
+
+def test_cloth_of_the_trunk_is_not_held_by_an_arm(worn: tuple[GarmentMesh, Embedding]) -> None:
+    garment, embedding = worn
+    side = np.abs(garment.vertices[:, 0])
+    hem = (garment.vertices[:, 1] < 1.0) & (side < 0.3)
+    held = reference_surface().arm[embedding.corners[hem]].sum(-1)
+    assert hem.sum() > 50
+    assert held.max() < 0.6
+
+
+def test_places_go_where_the_body_goes(worn: tuple[GarmentMesh, Embedding]) -> None:
+    embedding, surface = worn[1], reference_surface()
+    turn = Rotation.from_euler("xyz", [0.3, 1.1, -0.4])
+    np.testing.assert_allclose(
+        embedding.places(turn.apply(surface.vertices) + 0.2),
+        turn.apply(embedding.places(surface.vertices)) + 0.2, atol=1e-9,
+    )  # fmt: skip
+    np.testing.assert_allclose(
+        embedding.normals(turn.apply(surface.normals)), turn.apply(embedding.normals(surface.normals)), atol=1e-9
+    )
