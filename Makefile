@@ -195,9 +195,10 @@ train-garnet: $(MODEL_TOOLS)
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m garnet_data --part 0 --parts 2 & \
 		../$(MODEL_VENV)/bin/python -m garnet_data --part 1 --parts 2; made=$$?; wait; exit $$made; }
 	cd model && for garment in $(GARMENTS); do for variant in naive global local; do \
-		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --variant $$variant; done; \
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --variant $$variant --minutes 5; done; \
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --resume --minutes 13 --rate 3e-3; \
 		for curvature in rq mc; do \
-		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --curvature $$curvature --minutes 5; done; done
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --curvature $$curvature --minutes 3; done; done
 
 evaluate-garnet: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_garnet

@@ -49,7 +49,7 @@ def spec(kind: str, net: GarNet) -> GraphSpec:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--curvature", choices=["", "rq", "mc"], default="rq")
+    p.add_argument("--curvature", choices=["", "rq", "mc"], default="")
     p.add_argument("--out", type=Path, default=ARTIFACTS)
     a = p.parse_args()
     nets = {}
