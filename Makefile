@@ -198,7 +198,7 @@ train-garnet: $(MODEL_TOOLS)
 		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --variant $$variant --minutes 5; done; \
 		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --resume --minutes 13 --rate 3e-3; \
 		for curvature in rq mc; do \
-		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --curvature $$curvature --minutes 3; done; done
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --curvature $$curvature --minutes 5; done; done
 
 evaluate-garnet: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_garnet
