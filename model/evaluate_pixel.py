@@ -13,7 +13,7 @@ import numpy as np
 
 from body.anny_body import AnnyBody
 from garment.binding import bind, reference_surface
-from garment.cloth_image import Flat, cloth_images
+from garment.cloth_image import cloth_images
 from garment.embedding import Skin, wrapped
 from garment.flat import stretch
 from garment.graph import build, mesh_edges
@@ -59,7 +59,7 @@ def main() -> None:
         off = 100 * np.abs(stretch(v[panel.vertices], panel.triangles, panel.places) - 1)
         counts = f"{len(panel.vertices)} | {len(panel.triangles)}"
         print(f"| {name} | {counts} | {off.mean():.1f} | {np.percentile(off, 99):.1f} | {off.max():.1f} |")
-    images = cloth_images([Flat(p.vertices, p.triangles, p.places) for p in panels], len(v))
+    images = cloth_images(list(panels), len(v))
     print("\n| to images and back, mm | mean | 99 % of the vertices | most |\n|---|---:|---:|---:|")
     folds = FOLD_DEPTH * np.sin(2 * np.pi * v / FOLD_LENGTH)
     for name, values in (("places", v), (f"folds of {100 * FOLD_LENGTH:.0f} cm", folds)):

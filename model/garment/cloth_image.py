@@ -23,8 +23,8 @@ SAMPLES = 8
 
 
 @dataclass(frozen=True)
-class Flat:
-    """What an image needs of a panel."""
+class Panel:
+    """A piece of a garment in its own plane, upright and seen from outside."""
 
     vertices: Ints  # (P,) of the garment
     triangles: Ints  # (F, 3) into `vertices`
@@ -49,7 +49,7 @@ class ClothImages:
         return self.vertex_from_pixel @ images.reshape(-1, images.shape[-1])
 
 
-def cloth_images(panels: list[Flat], count: int) -> ClothImages:
+def cloth_images(panels: list[Panel], count: int) -> ClothImages:
     """Images of a garment of `count` vertices, all panels at one scale.
 
     Raises ValueError for a vertex on no panel.
@@ -62,7 +62,7 @@ def cloth_images(panels: list[Flat], count: int) -> ClothImages:
     return ClothImages(vstack([writer for writer, _, _, _ in made]).tocsr(), reads, cloth, mask)
 
 
-def _panel(panel: Flat, scale: float, count: int) -> tuple[csr_matrix, csr_matrix, Floats, Floats]:
+def _panel(panel: Panel, scale: float, count: int) -> tuple[csr_matrix, csr_matrix, Floats, Floats]:
     """Pixels from vertices (S * S, N), vertices from pixels (N, S * S), cloth and mask of one panel."""
     low, high = panel.places.min(0), panel.places.max(0)
     at = (panel.places - (low + high) / 2) * scale + (SIZE - 1) / 2

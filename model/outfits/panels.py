@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from garment.cloth_image import Panel
 from garment.flat import flattened
 
 from . import fields as fl
@@ -15,15 +14,6 @@ from .uv import centre
 
 #: Ears that are cut lay others bare.
 EAR_PASSES = 4
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One piece of a garment in its own plane, upright and seen from outside."""
-
-    vertices: Index  # (P,) of the garment
-    triangles: Index  # (F, 3) into `vertices`
-    places: Array  # (P, 2) m
 
 
 def front_and_back(garment: GarmentMesh, body: BodyFields) -> tuple[Panel, Panel]:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from body.anny_body import AnnyBody
-from garment.cloth_image import SIZE, ClothImages, Flat, cloth_images
+from garment.cloth_image import SIZE, ClothImages, Panel, cloth_images
 from garment.flat import flattened, stretch
 from outfits.body_fields import BodyFields, body_fields
 from outfits.garnet_garments import garnet_garment
 from outfits.mesh import GarmentMesh
-from outfits.panels import Panel, front_and_back
+from outfits.panels import front_and_back
 
 
 def sheet(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
@@ -37,7 +37,7 @@ def tee(body: BodyFields) -> tuple[GarmentMesh, tuple[Panel, Panel]]:
 @pytest.fixture(scope="module")
 def images(tee: tuple[GarmentMesh, tuple[Panel, Panel]]) -> ClothImages:
     garment, panels = tee
-    return cloth_images([Flat(p.vertices, p.triangles, p.places) for p in panels], len(garment.vertices))
+    return cloth_images(list(panels), len(garment.vertices))
 
 
 def test_what_was_bent_only_lies_flat_without_stretch() -> None:
@@ -86,7 +86,7 @@ def test_images_are_on_the_cloth_and_a_little_around_it(images: ClothImages) -> 
 def test_what_changes_evenly_comes_back_exactly(tee: tuple[GarmentMesh, tuple[Panel, Panel]]) -> None:
     """Pixels beside the cloth go on as the cloth does, so that not even its edge is off."""
     for panel in tee[1]:
-        own = cloth_images([Flat(np.arange(len(panel.vertices)), panel.triangles, panel.places)], len(panel.vertices))
+        own = cloth_images([Panel(np.arange(len(panel.vertices)), panel.triangles, panel.places)], len(panel.vertices))
         even = panel.places @ [[1.0, 0.2, -2.0], [0.3, -1.0, 0.5]] + 0.1
         np.testing.assert_allclose(own.values(own.images(even)), even, atol=1e-9)
 
@@ -107,4 +107,4 @@ def test_cloth_comes_back_from_its_images(tee: tuple[GarmentMesh, tuple[Panel, P
 def test_a_vertex_on_no_panel_is_told(tee: tuple[GarmentMesh, tuple[Panel, Panel]]) -> None:
     garment, (front, _) = tee
     with pytest.raises(ValueError, match="on no panel"):
-        cloth_images([Flat(front.vertices, front.triangles, front.places)], len(garment.vertices))
+        cloth_images([front], len(garment.vertices))
