@@ -12,12 +12,11 @@ import argparse
 import numpy as np
 
 from body.anny_body import AnnyBody
-from garment.binding import bind, reference_surface
+from garment.binding import reference_surface
 from garment.cloth_image import cloth_images
-from garment.embedding import Skin, wrapped
+from garment.embedding import worn_tight
 from garment.flat import stretch
-from garment.graph import build, mesh_edges
-from garment.refine import refined
+from garment.graph import mesh_edges
 from outfits.body_fields import body_fields
 from outfits.garnet_garments import garnet_garment
 from outfits.mesh import GarmentMesh
@@ -32,12 +31,7 @@ FOLD_LENGTH, FOLD_DEPTH = 0.08, 0.005
 def wrapping(garment: GarmentMesh) -> str:
     """A line on the cloth wrapped tight on the reference body."""
     v, t = garment.vertices, garment.triangles
-    fine, surface = refined(v, t), reference_surface()
-    graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
-    limb = bind(fine.vertices, graph).limb[: len(v)]
-    places = wrapped(v, t, limb, Skin(surface.vertices, AnnyBody.load().triangles, surface.touches)).places(
-        surface.vertices
-    )
+    places = worn_tight(v, t).places(reference_surface().vertices)
     edges = mesh_edges(t)
     tight, rest = (np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1) for x in (places, v))
     low, high = np.percentile(tight / rest, [1, 99])

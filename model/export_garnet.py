@@ -26,10 +26,9 @@ class ExportedGarNet(nn.Module):
         super().__init__()
         self.net = net
 
-    def forward(
-        self, garment: Tensor, turn: Tensor, body: Tensor, ring: Tensor, share: Tensor, thinned: Tensor, pooled: Tensor
-    ) -> Tensor:
-        near = Neighbours(ring, share, thinned, pooled[None])
+    def forward(self, garment: Tensor, turn: Tensor, body: Tensor, *tables: Tensor) -> Tensor:
+        ring, ring_weight, thinned, pooled = tables
+        near = Neighbours(ring, ring_weight, thinned, pooled[None])
         return self.net(garment[None], turn[None], body[None], near)[0]
 
 

@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, vstack
 from scipy.spatial import cKDTree
 
+from garment.graph import open_sides
+
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
+Mask = NDArray[np.bool_]
 
 #: Pixels of a side (section 7), pixels that go on beyond the cloth, and least pixels from the cloth to the border.
 SIZE, PADDING, MARGIN = 256, 6, 8
@@ -37,8 +40,8 @@ class ClothImages:
 
     pixel_from_vertex: csr_matrix  # (K * SIZE * SIZE, N); empty rows outside
     vertex_from_pixel: csr_matrix  # (N, K * SIZE * SIZE)
-    cloth: NDArray[np.bool_]  # (K, SIZE, SIZE) on the cloth
-    mask: NDArray[np.bool_]  # (K, SIZE, SIZE) on the cloth or its padding
+    cloth: Mask  # (K, SIZE, SIZE) on the cloth
+    mask: Mask  # (K, SIZE, SIZE) on the cloth or its padding
 
     def images(self, values: Floats) -> Floats:
         """Values of the vertices (N, C) as images (K, SIZE, SIZE, C)."""
@@ -62,7 +65,7 @@ def cloth_images(panels: list[Panel], count: int) -> ClothImages:
     return ClothImages(vstack([writer for writer, _, _, _ in made]).tocsr(), reads, cloth, mask)
 
 
-def _panel(panel: Panel, scale: float, count: int) -> tuple[csr_matrix, csr_matrix, Floats, Floats]:
+def _panel(panel: Panel, scale: float, count: int) -> tuple[csr_matrix, csr_matrix, Mask, Mask]:
     """Pixels from vertices (S * S, N), vertices from pixels (N, S * S), cloth and mask of one panel."""
     low, high = panel.places.min(0), panel.places.max(0)
     at = (panel.places - (low + high) / 2) * scale + (SIZE - 1) / 2
@@ -92,18 +95,15 @@ def _triangles_of_pixels(at: Floats, triangles: Ints) -> Ints:
 
 def _padded(at: Floats, triangles: Ints, inside: Ints) -> Ints:
     """`inside` with the triangle nearest to each pixel within `PADDING` of the cloth's edge."""
-    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    keys = np.sort(sides, 1) @ [len(at), 1]
-    _, first, uses = np.unique(keys, return_index=True, return_counts=True)
-    edges = first[uses == 1]
+    sides, owner = open_sides(triangles)
     along = (np.arange(SAMPLES) + 0.5)[:, None, None] / SAMPLES
-    a, b = at[sides[edges]].transpose(1, 0, 2)
+    a, b = at[sides].transpose(1, 0, 2)
     samples = (a + along * (b - a)).reshape(-1, 2)
     y, x = np.nonzero(inside < 0)
     away, nearest = cKDTree(samples).query(np.stack([x, y], 1), distance_upper_bound=PADDING)
     near = np.isfinite(away)
     out = inside.copy()
-    out[y[near], x[near]] = (edges % len(triangles))[nearest[near] % len(edges)]
+    out[y[near], x[near]] = owner[nearest[near] % len(owner)]
     return out
 
 

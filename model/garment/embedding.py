@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.spatial import cKDTree
 
-from garment.graph import mesh_edges
+from body.anny_body import AnnyBody
+from garment.binding import bind, reference_surface
+from garment.graph import build, mesh_edges, open_sides
+from garment.refine import refined
 
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
@@ -101,6 +104,14 @@ def closest(points: Floats, corners: Floats) -> Floats:
     return best
 
 
+def worn_tight(vertices: Floats, triangles: Ints) -> Embedding:
+    """A garment (N, 3), as it is drawn on the reference body, tight on that body."""
+    fine, surface = refined(vertices, triangles), reference_surface()
+    graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
+    limb = bind(fine.vertices, graph).limb[: len(vertices)]
+    return wrapped(vertices, triangles, limb, Skin(surface.vertices, AnnyBody.load().triangles, surface.touches))
+
+
 def wrapped(vertices: Floats, triangles: Ints, limb: Ints, skin: Skin) -> Embedding:
     """Cloth (N, 3) tight on the skin. limb (N,): which part of the body each vertex may touch."""
     found = skin.nearest(vertices, limb)
@@ -113,14 +124,9 @@ def wrapped(vertices: Floats, triangles: Ints, limb: Ints, skin: Skin) -> Embedd
 
 def _neighbours(vertices: Floats, triangles: Ints) -> csr_matrix:
     """Middle of each vertex's neighbours, nearer ones counting for more; those of a rim are on the rim, (N, N)."""
-    edges = mesh_edges(triangles)
-    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
-    keys, uses = np.unique(sides @ [len(vertices), 1], return_counts=True)
-    rim_edge = np.isin(np.sort(edges, 1) @ [len(vertices), 1], keys[uses == 1])
-    rim = np.zeros(len(vertices), bool)
-    rim[edges[rim_edge]] = True
-    both, along_rim = np.concatenate([edges, edges[:, ::-1]]), np.tile(rim_edge, 2)
-    both = both[along_rim | ~rim[both[:, 0]]]
+    edges, rim = mesh_edges(triangles), open_sides(triangles)[0]
+    both, along_rim = (np.concatenate([e, e[:, ::-1]]) for e in (edges, rim))
+    both = np.concatenate([both[~np.isin(both[:, 0], rim)], along_rim])
     weight = 1 / np.linalg.norm(vertices[both[:, 0]] - vertices[both[:, 1]], axis=1)
     out = coo_matrix((weight, both.T), (len(vertices), len(vertices))).tocsr()
     return diags(1 / np.asarray(out.sum(1)).ravel()) @ out

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
+from garment.graph import open_sides
+
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
@@ -18,9 +20,10 @@ STEPS = 100
 
 
 def flattened(vertices: Floats, triangles: Ints, steps: int = STEPS) -> Floats:
-    """Places (N, 2) of a disk of cloth (N, 3) in its plane, faces counter-clockwise.
+    """Places (N, 2) in its plane of one connected piece of cloth (N, 3), faces counter-clockwise.
 
-    Raises ValueError where the cloth is not one piece with one edge all around (it may have holes inside).
+    Its longest edge is its outline, others are holes. Raises ValueError for a piece that is closed or where two edges
+    meet in one vertex.
     """
     loops = boundary_loops(triangles)
     if not loops:
@@ -49,14 +52,11 @@ def stretch(vertices: Floats, triangles: Ints, places: Floats) -> Floats:
 
 def boundary_loops(triangles: Ints) -> list[Ints]:
     """Vertices around every edge of the cloth, in the order of the faces. Raises ValueError where it branches."""
-    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    inner = {(b, a) for a, b in sides.tolist()}
     after: dict[int, int] = {}
-    for a, b in sides.tolist():
-        if (a, b) not in inner:
-            if a in after:
-                raise ValueError("two edges of the piece meet in one vertex: widen it there")
-            after[a] = b
+    for a, b in open_sides(triangles)[0].tolist():
+        if a in after:
+            raise ValueError("two edges of the piece meet in one vertex: widen it there")
+        after[a] = b
     loops = []
     while after:
         loop = [next(iter(after))]

@@ -66,6 +66,14 @@ def mesh_edges(triangles: Ints) -> Ints:
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
+def open_sides(triangles: Ints) -> tuple[Ints, Ints]:
+    """Sides (E, 2) that only one triangle has, in its order, and which triangle that is, (E,)."""
+    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    _, first, uses = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
+    alone = first[uses == 1]
+    return sides[alone], alone % len(triangles)
+
+
 def cluster(points: Floats, edges: Ints, garment: Ints, size: float) -> Clusters:
     """Connected pieces of one garment inside one grid cell. edges: (E, 2) over points."""
     cell = np.floor(points / size).astype(np.int64)

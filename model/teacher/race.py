@@ -1,7 +1,8 @@
-"""GarNet's time beside the simulator's on the same garment, body and pose, one core: `python -m teacher.race`.
+"""GarNet's time beside the simulator's on the same garment and body, one core: `python -m teacher.race`.
 
-A fine mesh of one of GarNet's garments (`outfits.garnet_garments`); the simulator from where plain skinning and the
-service's resolve put it until it rests (`simulation`), then `toile bench`'s whole drape, with the resolve and the GLB.
+A fine mesh of one of GarNet's garments (`outfits.garnet_garments`); the simulator, in a random pose, from where plain
+skinning and the service's resolve put it until it rests (`simulation`), then `toile bench`'s whole drape in a pose of
+its own, with the resolve and the GLB: what GarNet takes does not depend on the pose.
 """
 
 from __future__ import annotations

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from body.anny_body import AnnyBody
-from garment.binding import bind, reference_surface
-from garment.embedding import Embedding, Skin, closest, wrapped
-from garment.graph import build, mesh_edges
-from garment.refine import refined
+from garment.binding import reference_surface
+from garment.embedding import Embedding, closest, worn_tight
+from garment.graph import mesh_edges
 from outfits.garnet_garments import garnet_garment
 from outfits.mesh import GarmentMesh
 
@@ -18,12 +16,8 @@ from outfits.mesh import GarmentMesh
 @pytest.fixture(scope="module")
 def worn() -> tuple[GarmentMesh, Embedding]:
     """A coarse T-shirt on the reference body."""
-    garment, surface = garnet_garment("tee", 1400).garments[0], reference_surface()
-    fine = refined(garment.vertices, garment.triangles)
-    graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
-    limb = bind(fine.vertices, graph).limb[: len(garment.vertices)]
-    skin = Skin(surface.vertices, AnnyBody.load().triangles, surface.touches)
-    return garment, wrapped(garment.vertices, garment.triangles, limb, skin)
+    garment = garnet_garment("tee", 1400).garments[0]
+    return garment, worn_tight(garment.vertices, garment.triangles)
 
 
 def test_the_nearest_point_of_a_triangle_is_as_near_as_a_search_says() -> None:

@@ -12,6 +12,7 @@ use crate::garnet_tables::{AVERAGED, POOLED};
 use crate::graph::NEIGHBOURS;
 use crate::methods::deepsd::only;
 use crate::network::{Networks, TensorRef};
+use crate::posed_body::PosedBody;
 use crate::static_pass::StaticPass;
 
 /// Entries of a ring: a node and its neighbours.
@@ -30,8 +31,8 @@ impl Method for Garnet {
         let nodes = nodes_on_body(wearer.statics, wearer.rest);
         let thinned: Vec<i64> = wearer.seen.thinned.as_flattened().iter().map(|&i| i64::from(i)).collect();
         let mut frames = Vec::with_capacity(wearer.transforms.len());
-        for frame in 0..wearer.transforms.len() {
-            let scene = Scene::new(wearer, &thinned, &nodes, frame);
+        for (transforms, body) in wearer.transforms.iter().zip(wearer.bodies) {
+            let scene = Scene::new(wearer, &thinned, &nodes, (transforms, body));
             let mut moved = vec![Vec3::ZERO; nodes.len()];
             for piece in &pieces {
                 scene.translate(piece, networks, &mut moved)?;
@@ -107,10 +108,14 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     /// `nodes`: on the body, at rest.
-    fn new(wearer: &'a Wearer<'a>, thinned: &'a [i64], nodes: &[Vec3], frame: usize) -> Self {
-        let transforms = wearer.transforms.get(frame).map_or(&[][..], |frame| frame);
-        let skin = wearer.bodies.get(frame).map_or(&[][..], |body| &body.vertices);
-        let seen = wearer.seen.points.iter().filter_map(|&i| skin.get(i as usize)).copied().collect();
+    fn new(
+        wearer: &'a Wearer<'a>,
+        thinned: &'a [i64],
+        nodes: &[Vec3],
+        (transforms, body): (&'a [Affine3A], &PosedBody),
+    ) -> Self {
+        let points = wearer.seen.points.iter();
+        let seen = points.filter_map(|&i| body.vertices.get(i as usize)).copied().collect();
         let rig = &wearer.statics.nodes;
         let motions = motions(&rig.joints, &rig.weights, transforms);
         let (nodes, turns) = nodes.iter().zip(motions).map(|(p, m)| (m.transform(*p), m.turn())).unzip();
