@@ -30,6 +30,7 @@ from torch import Tensor
 import cloth_energy
 import energies
 from nets.deepsd import JOINTS
+from posed_bodies import Bodies
 from relax import relaxed
 from rig import Rig, Scene, coefficients, drape, measure, read, with_riders
 from training_data import BodyBank, Sample, carry
@@ -106,11 +107,12 @@ def draw(scenes: list[Scene], rng: np.random.Generator) -> Drawn:
 def losses(rig: Rig, it: Drawn, sample: Sample, bank: BodyBank, basis: Tensor, weight: Tensor) -> dict[str, Tensor]:
     """Energies of the cloth, its distance to relaxed cloth, and that of the blend weights to the network's, by name."""
     s, d = it.scene, drape(rig, it.scene, it.poses, basis, weight)
-    near = cloth_energy.contacts(d, sample, bank, s.entry, it.poses)
+    near = cloth_energy.contacts(d, sample, bank, Bodies.of(s.entry, it.poses))
     terms = cloth_energy.terms(d, d.posed - d.skinned, s.mesh, near, sample)
     if it.aim is not None:
         terms.pop("hold")  # relaxed cloth is held by its waistband and by friction
-        terms["target"] = energies.hold(d.posed - it.aim, torch.full_like(sample.distance, PULL), s.mesh.area)
+        firmness = torch.full_like(sample.distance, PULL)
+        terms["target"] = energies.hold(d.posed - it.aim, firmness, s.mesh.area).mean()
     divergence = (weight * (weight.clamp(min=1e-6).log() - rig.weight.clamp(min=1e-6).log())).sum(1)
     terms["weights"] = KEEP_WEIGHTS * divergence.mean()
     return terms

@@ -11,7 +11,8 @@ import energies
 from energies import RestMesh
 from fabric import Fabric
 from garment import nearest
-from training_data import BodyBank, Sample, ShapedPoses
+from posed_bodies import Bodies
+from training_data import BodyBank, Sample
 
 #: Share of the contact that counts in a fold of the body, which the resolve opens.
 PINCHED = 0.02
@@ -54,17 +55,15 @@ class Contacts:
     layer: Tensor | None = None  # (P, Q) clearance of outer garments to inner ones
 
 
-def contacts(d: Posed, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Contacts:
-    """Clearances to the nearest points of the body and of inner garments."""
-    return clearances(d.posed, touching(d, sample, bank, entry, poses), sample, entry, poses)
+def contacts(d: Posed, sample: Sample, bank: BodyBank, bodies: Bodies) -> Contacts:
+    """Clearances to the nearest points of the bodies and of inner garments."""
+    return clearances(d.posed, touching(d, sample, bank, bodies), sample, bodies)
 
 
 @torch.no_grad()
-def touching(
-    d: Posed, sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, before: Touching | None = None
-) -> Touching:
+def touching(d: Posed, sample: Sample, bank: BodyBank, bodies: Bodies, before: Touching | None = None) -> Touching:
     """What the cloth touches; `before`: the same, of cloth that skinning puts at the same place."""
-    surface, normals = entry.vertices[poses], entry.normals[poses]
+    surface, normals = bodies.vertices, bodies.normals
     body = nearest.nearest(d.posed, surface, sample.candidates, bank.ring)
     if before is None:
         under = nearest.nearest(d.skinned, surface, sample.candidates, bank.ring)
@@ -74,19 +73,19 @@ def touching(
         lap, lap_distance = before.lap, before.lap_distance
     if not len(sample.outer):
         return Touching(body, lap, lap_distance)
-    inner = nearest.best_of(d.posed[:, sample.outer], d.posed, sample.inner[None].expand(len(poses), -1, -1))
+    inner = nearest.best_of(d.posed[:, sample.outer], d.posed, sample.inner[None].expand(len(surface), -1, -1))
     cloth_normals = nearest.vertex_normals(d.posed, sample.tables[2])
     return Touching(body, lap, lap_distance, inner, nearest.surface_at(cloth_normals, inner))
 
 
-def clearances(x: Tensor, on: Touching, sample: Sample, entry: ShapedPoses, poses: Tensor) -> Contacts:
+def clearances(x: Tensor, on: Touching, sample: Sample, bodies: Bodies) -> Contacts:
     """Signed distances of cloth x (P, N, 3) to what it touches."""
-    points = nearest.surface_at(entry.vertices[poses], on.body)
-    body = energies.clearance(x, points, nearest.surface_at(entry.normals[poses], on.body))
+    points = nearest.surface_at(bodies.vertices, on.body)
+    body = energies.clearance(x, points, nearest.surface_at(bodies.normals, on.body))
     layer = None
     if on.inner is not None and on.inner_normal is not None:
         layer = energies.clearance(x[:, sample.outer], nearest.surface_at(x, on.inner), on.inner_normal)
-    return Contacts(body, entry.pinched[poses].gather(1, on.body), on.lap, on.lap_distance, layer)
+    return Contacts(body, bodies.pinched.gather(1, on.body), on.lap, on.lap_distance, layer)
 
 
 def borne(sample: Sample) -> Tensor:
@@ -95,7 +94,12 @@ def borne(sample: Sample) -> Tensor:
 
 
 def terms(d: Posed, offset: Tensor, mesh: RestMesh, near: Contacts, sample: Sample) -> dict[str, Tensor]:
-    """Every energy of cloth by name. offset (P, N, 3): from where skinning puts it, in any rotated frame."""
+    """Every energy of cloth by name, its mean over the poses; arguments as of `of_each`."""
+    return {name: value.mean() for name, value in of_each(d, offset, mesh, near, sample).items()}
+
+
+def of_each(d: Posed, offset: Tensor, mesh: RestMesh, near: Contacts, sample: Sample) -> dict[str, Tensor]:
+    """Every energy of cloth by name, (P,). offset (P, N, 3): from where skinning puts it, in any rotated frame."""
     fabric = Fabric()
     on_skin = borne(sample)
     margin = sample.distance.clamp(fabric.least, fabric.thickness)
@@ -111,6 +115,7 @@ def terms(d: Posed, offset: Tensor, mesh: RestMesh, near: Contacts, sample: Samp
         "friction": energies.friction(d.posed - d.skinned, near.lap, near.lap_distance, mesh.area, fabric),
     }
     if near.layer is not None:
-        gap, covered = sample.layer_gap.clamp(max=0.003), mesh.area[sample.outer]
-        out["layer"] = energies.contact(near.layer, gap, covered, fabric) * covered.sum() / mesh.area.sum()
+        gap, covered = sample.layer_gap.clamp(max=0.003), mesh.area[..., sample.outer]
+        share_covered = covered.sum(-1) / mesh.area.sum(-1)
+        out["layer"] = energies.contact(near.layer, gap, covered, fabric) * share_covered
     return out

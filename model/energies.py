@@ -1,7 +1,8 @@
 """Energies of cloth as training losses: pure functions of posed vertices. Metres, joules per square metre.
 
-x: (P, N, 3) posed vertices of P poses. All energies are means over poses of area-weighted sums over the
-outfit divided by its area, so they compare across outfits and resolutions.
+x: (P, N, 3) posed vertices of P poses. All energies are (P,), one for each pose: area-weighted sums over the outfit
+divided by its area, so they compare across outfits and resolutions. Tables of the rest mesh are of one body, or of one
+for each pose with P in front.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from fabric import Fabric
 
 @dataclass(frozen=True)
 class RestMesh:
-    """Constant tables of one outfit on one body shape."""
+    """Constant tables of one outfit on one body shape; on several, P stands before all but `edges` and `hinges`."""
 
     edges: Tensor  # (E, 2)
     length: Tensor  # (E,)
@@ -47,7 +48,7 @@ def stretch(x: Tensor, mesh: RestMesh, distance: Tensor, fabric: Fabric) -> Tens
     tension = 0.5 * longer.square() + 0.5 * fabric.stiffening * (longer - fabric.limit).clamp(min=0).square()
     pressure = fabric.compression * bent * (shorter - 0.5 * bent)
     pressure = pressure + 0.5 * (shorter - fabric.crumple).clamp(min=0).square()
-    return (fabric.stretch * (tension + pressure) * mesh.edge_area).sum(1).mean() / mesh.area.sum()
+    return (fabric.stretch * (tension + pressure) * mesh.edge_area).sum(1) / mesh.area.sum(-1)
 
 
 def dihedral(x: Tensor, hinges: Tensor) -> Tensor:
@@ -66,7 +67,7 @@ def bending(x: Tensor, mesh: RestMesh, fabric: Fabric) -> Tensor:
     """Bend relative to the rest dihedral, so that pleats are not ironed flat (equation 11, discrete shells)."""
     turn = dihedral(x, mesh.hinges) - mesh.angle
     turn = torch.remainder(turn + torch.pi, 2 * torch.pi) - torch.pi
-    return (0.5 * fabric.bending * turn.square() * mesh.hinge_weight).sum(1).mean() / mesh.area.sum()
+    return (0.5 * fabric.bending * turn.square() * mesh.hinge_weight).sum(1) / mesh.area.sum(-1)
 
 
 def clearance(x: Tensor, points: Tensor, normals: Tensor) -> Tensor:
@@ -81,7 +82,7 @@ def contact(distance: Tensor, margin: Tensor, area: Tensor, fabric: Fabric, shar
     """
     depth = (margin - distance).clamp(min=0)
     near = depth.clamp(max=fabric.deep)
-    return (fabric.contact * near * (2 * depth - near) * share * area).sum(1).mean() / area.sum()
+    return (fabric.contact * near * (2 * depth - near) * share * area).sum(1) / area.sum(-1)
 
 
 def weight_change(x: Tensor, up: Tensor, borne: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
@@ -92,9 +93,9 @@ def weight_change(x: Tensor, up: Tensor, borne: Tensor, area: Tensor, fabric: Fa
     gravity's component along it, so that an upright shirt does not sag further and a raised one falls.
     Cloth that hangs free feels gravity whole.
     """
-    support = borne[:, None] * up[..., 1:2].clamp(min=0) * up
-    load = torch.tensor([0.0, 1.0, 0.0]) - support
-    return (fabric.density * fabric.gravity * (load * x).sum(-1) * area).sum(1).mean() / area.sum()
+    support = borne[..., None] * up[..., 1:2].clamp(min=0) * up
+    load = x.new_tensor([0.0, 1.0, 0.0]) - support
+    return (fabric.density * fabric.gravity * (load * x).sum(-1) * area).sum(1) / area.sum(-1)
 
 
 def friction(slip: Tensor, normals: Tensor, distance: Tensor, area: Tensor, fabric: Fabric) -> Tensor:
@@ -106,9 +107,9 @@ def friction(slip: Tensor, normals: Tensor, distance: Tensor, area: Tensor, fabr
     """
     along = slip - (slip * normals).sum(-1, keepdim=True) * normals
     pressure = normals[..., 1].clamp(min=0) * torch.exp(-distance.clamp(min=0) / fabric.resting)
-    return (fabric.friction * pressure * along.square().sum(-1) * area).sum(1).mean() / area.sum()
+    return (fabric.friction * pressure * along.square().sum(-1) * area).sum(1) / area.sum(-1)
 
 
 def hold(offset: Tensor, grip: Tensor, area: Tensor) -> Tensor:
     """Friction's stand-in: cloth near the skin keeps its place. offset (P, N, 3), grip (N,) N/m3."""
-    return (grip * offset.square().sum(-1) * area).sum(1).mean() / area.sum()
+    return (grip * offset.square().sum(-1) * area).sum(1) / area.sum(-1)

@@ -84,7 +84,7 @@ class Scenes:
 
     def mirrored(self) -> Scenes:
         """Left and right exchanged, which neither cloth nor gravity notices."""
-        flip = torch.tensor([-1.0, 1, 1])
+        flip = self.warped.new_tensor([-1.0, 1, 1])
         turn = flip[:, None] * self.turn * flip
         others = (flip * x for x in (self.warped, self.truth, self.body, self.body_normals))
         return Scenes(flip.repeat(2) * self.nodes, turn, *others, self.pooled, self.which)

@@ -3,8 +3,9 @@
 Training by energies alone finds drapes near plain skinning; a skirt over a lap is far from it. Here the cloth of
 a drawn outfit, body and pose is moved itself, without a network, to the least energy while the body bends: a
 quasi-Newton method whose first metric is the outfit's stretch stiffness (after Liu, Bouaziz and Kavan,
-Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). Results lie under data/relaxed,
-where a training run finds them while it runs.
+Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials, 2017). B drapes of one outfit are relaxed
+at once, each with its own memory and length of step. Results lie under data/relaxed, where a training run finds
+them while it runs.
 """
 
 from __future__ import annotations
@@ -13,24 +14,21 @@ import argparse
 import json
 import time
 from collections.abc import Callable
-from dataclasses import replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csc_matrix, diags
-from scipy.sparse.linalg import splu
 from torch import Tensor
 
 import cloth_energy
-from bending import bent
 from cloth_energy import Posed
 from energies import RestMesh
 from fabric import Fabric
 from garment.binding import garment_joint_names
 from nets.deepsd import gather_mean, skin, top_four
+from posed_bodies import Bodies, bent
 from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_samples
 
 Floats = NDArray[np.float64]
@@ -43,6 +41,8 @@ LOOKED_UP = 3
 ON_THE_WAY, FEW = (0.25, 0.5, 0.75), 15
 #: m, the longest move of a vertex in one step.
 LONGEST = 0.05
+#: Lengths of a step that are tried, each a share of the one before.
+TRIES, SHORTER = 5, 0.25
 #: J/m4, stiffness against absolute movement in the first metric.
 ANCHOR = 2000.0
 #: Cosine of a thigh's turn from which a pose bends deeply.
@@ -57,105 +57,158 @@ LITTLE = 0.3
 FIRM = 1e6
 
 
-def metric(mesh: RestMesh, held: Tensor) -> csc_matrix:
-    """Stiffness of the rest mesh against stretch and movement, (N, N), of the mean energy; waistbands do not move."""
-    area, n = float(mesh.area.sum()), len(mesh.area)
-    stiffness = (Fabric().stretch * mesh.edge_area / mesh.length.square() / area).double().numpy()
-    a, b = mesh.edges.numpy().T
-    pairs = (np.concatenate([a, b]), np.concatenate([b, a]))
-    off = coo_matrix((np.tile(-stiffness, 2), pairs), (n, n)).tocsr()
-    own = -np.asarray(off.sum(1)).ravel() + ANCHOR * mesh.area.double().numpy() / area
-    own[held.numpy()] += FIRM
-    return (off + diags(own)).tocsc()
+@dataclass(frozen=True)
+class Worn:
+    """One outfit on B bodies in the A-pose: (B, N, 3), and its tables there."""
+
+    rest: Tensor
+    mesh: RestMesh
+
+    @classmethod
+    def of(cls, sample: Sample, bank: BodyBank, entry: ShapedPoses, count: int) -> Worn:
+        """The same body for all of `count` drapes."""
+        return cls.stacked([carry(sample, bank, entry)] * count)
+
+    @classmethod
+    def stacked(cls, carried: list[tuple[Tensor, RestMesh]]) -> Worn:
+        """One body for each drape, from `carry`."""
+        first = carried[0][1]
+        own = {k: torch.stack([getattr(m, k) for _, m in carried]) for k in ("length", "edge_area", "angle")}
+        own |= {k: torch.stack([getattr(m, k) for _, m in carried]) for k in ("hinge_weight", "area")}
+        return cls(torch.stack([rest for rest, _ in carried]), replace(first, **own))
+
+
+def softness(mesh: RestMesh, held: Tensor) -> Tensor:
+    """Inverse of the rest mesh's stiffness against stretch and movement, (N, N), of the mean energy.
+
+    The mean over the bodies of `mesh`; waistbands do not move.
+    """
+    area, n = mesh.area.sum(-1, keepdim=True), mesh.area.shape[-1]
+    pull = (Fabric().stretch * mesh.edge_area / mesh.length.square() / area).double().mean(0)
+    a, b = mesh.edges.T
+    stiffness = pull.new_zeros(n, n)
+    for i, j in ((a, b), (b, a)):
+        stiffness.index_put_((i, j), -pull, accumulate=True)
+    own = ANCHOR * (mesh.area / area).double().mean(0) - stiffness.sum(1)
+    own[held] += FIRM
+    return torch.cholesky_inverse(torch.linalg.cholesky(stiffness + own.diag())).float()
+
+
+@dataclass(frozen=True)
+class Point:
+    """Cloth x (B, N, 3), its energy (B,) and slope (B, N, 3), zero where cloth is held."""
+
+    x: Tensor
+    value: Tensor
+    slope: Tensor
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Differences of places and slopes, (B, N, 3), and one over their product, (B, 1, 1), 0 for none."""
+
+    moved: Tensor
+    turned: Tensor
+    inverse: Tensor
+
+    @classmethod
+    def between(cls, here: Point, there: Point) -> Pair:
+        moved, turned = there.x - here.x, there.slope - here.slope
+        product = inner(moved, turned)
+        return cls(moved, turned, torch.where(product > 1e-14, 1 / product.clamp(min=1e-14), 0))
+
+
+def inner(a: Tensor, b: Tensor) -> Tensor:
+    """Products of each drape, (B, 1, 1)."""
+    return (a * b).sum((1, 2), keepdim=True)
+
+
+#: Energy of cloth (B, N, 3), (B,).
+Energy = Callable[[Tensor], Tensor]
 
 
 def relax(
-    sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, entry: ShapedPoses, pose: Tensor, steps: int
+    sample: Sample, mesh: RestMesh, start: Posed, bank: BodyBank, bodies: Bodies, soft: Tensor, steps: int
 ) -> Tensor:
-    """Positions of least energy near `start`, (1, N, 3) world, or as far as `steps` go. pose (1,): of the entry's.
+    """Positions of least energy near `start`, (B, N, 3) world, or as far as `steps` go. soft: of `softness`.
 
     What the cloth touches is looked up every `LOOKED_UP` steps: in between, the energy is smooth.
     """
-    on = cloth_energy.touching(start, sample, bank, entry, pose)
+    on = cloth_energy.touching(start, sample, bank, bodies)
 
-    def energy(x: Tensor) -> Energy:
-        x = x.clone().requires_grad_()
-        d = replace(start, posed=x)
-        near = cloth_energy.clearances(x, on, sample, entry, pose)
-        terms = cloth_energy.terms(d, x - d.skinned, mesh, near, sample)
+    def energy(x: Tensor) -> Tensor:
+        near = cloth_energy.clearances(x, on, sample, bodies)
+        terms = cloth_energy.of_each(replace(start, posed=x), x - start.skinned, mesh, near, sample)
         # Holding cloth back is for networks that have not learned yet; here friction does it.
-        return Energy(x, torch.stack([value for name, value in terms.items() if name != "hold"]).sum(), sample.held)
+        return torch.stack([value for name, value in terms.items() if name != "hold"]).sum(0)
 
-    solve = splu(metric(mesh, sample.held)).solve
-    here, pairs = energy(start.posed), []
-    best, lowest = start.posed, np.inf
+    here, pairs = point(energy, start.posed, sample.held), []
+    best, lowest = start.posed, torch.full_like(here.value, torch.inf)
+    still = torch.zeros_like(here.value, dtype=torch.bool)
     for k in range(steps + 1):
         if k % LOOKED_UP == 0 or k == steps:
-            on = cloth_energy.touching(replace(start, posed=here.x.detach()), sample, bank, entry, pose, before=on)
-            here = energy(here.x.detach())
-            if here.value < lowest:
-                best, lowest = here.x.detach(), here.value
-            if k == steps:
+            on = cloth_energy.touching(replace(start, posed=here.x), sample, bank, bodies, before=on)
+            here = point(energy, here.x, sample.held)
+            better = here.value < lowest
+            best, lowest = torch.where(better[:, None, None], here.x, best), torch.minimum(here.value, lowest)
+            if k == steps or still.all():
                 break
-        move = -two_loops(here.slope, pairs, solve)
-        there = search(energy, here, move)
-        if there is None and not pairs:
-            break
-        pairs = [] if there is None else remembered(pairs, here, there)
-        here = there or here
+        there, went = search(energy, here, -two_loops(here.slope, pairs, soft), sample.held, still)
+        remembers = torch.stack([p.inverse[:, 0, 0] > 0 for p in pairs]).any(0) if pairs else torch.zeros_like(still)
+        still = still | ~(went | remembers)
+        kept = [replace(p, inverse=p.inverse * went[:, None, None]) for p in pairs]
+        pairs, here = [*kept, Pair.between(here, there)][-MEMORY:], there
     return best
 
 
-class Energy:
-    """An energy at x (1, N, 3) and, when asked for, its slope (N, 3), zero where cloth is held."""
-
-    def __init__(self, x: Tensor, total: Tensor, held: Tensor) -> None:
-        self.x, self.total, self.held, self.value = x, total, held, total.item()
-
-    @cached_property
-    def slope(self) -> Floats:
-        (slope,) = torch.autograd.grad(self.total, self.x)
-        slope[:, self.held] = 0
-        return slope[0].double().numpy()
+def point(energy: Energy, x: Tensor, held: Tensor) -> Point:
+    x = x.detach().requires_grad_()
+    return with_slope(x, energy(x), held)
 
 
-def search(energy: Callable[[Tensor], Energy], here: Energy, move: Floats) -> Energy | None:
-    """The first of ever shorter steps along a move that lowers the energy enough, if one does."""
-    share, descent = min(1.0, LONGEST / np.abs(move).max()), float((here.slope * move).sum())
-    for _ in range(10):
-        there = energy(here.x.detach() + torch.as_tensor(share * move, dtype=here.x.dtype)[None])
-        if there.value <= here.value + 1e-4 * share * descent:
-            return there
-        share /= 2
-    return None
+def with_slope(x: Tensor, value: Tensor, held: Tensor) -> Point:
+    (slope,) = torch.autograd.grad(value.sum(), x)
+    slope[:, held] = 0
+    return Point(x.detach(), value.detach(), slope)
 
 
-def remembered(pairs: list[tuple[Floats, Floats]], here: Energy, there: Energy) -> list[tuple[Floats, Floats]]:
-    """Differences of places and slopes, the newest last."""
-    moved = (there.x - here.x).detach()[0].double().numpy()
-    pairs = [*pairs, (moved, there.slope - here.slope)][-MEMORY:]
-    return [(s, y) for s, y in pairs if (s * y).sum() > 1e-14]
+def search(energy: Energy, here: Point, move: Tensor, held: Tensor, still: Tensor) -> tuple[Point, Tensor]:
+    """The first of ever shorter steps along a move that lowers each energy enough, and which drapes (B,) went.
+
+    Others stay where they are, and so do those that are `still`.
+    """
+    share = (LONGEST / move.abs().amax((1, 2)).clamp(min=1e-12)).clamp(max=1.0) * ~still
+    descent = inner(here.slope, move)[:, 0, 0]
+    for tried in range(TRIES + 1):
+        x = (here.x + share[:, None, None] * move).requires_grad_()
+        value = energy(x)
+        went = value <= here.value + 1e-4 * share * descent
+        if went.all() or tried == TRIES:
+            break
+        share = torch.where(went, share, share * SHORTER if tried < TRIES - 1 else 0)
+    return with_slope(x, value, held), share > 0
 
 
-def two_loops(slope: Floats, pairs: list[tuple[Floats, Floats]], solve: object) -> Floats:
-    """The inverse metric after the remembered pairs, applied to a slope (N, 3)."""
-    q, shares = slope.copy(), []
-    for s, y in reversed(pairs):
-        shares.append((s * q).sum() / (s * y).sum())
-        q -= shares[-1] * y
-    z = solve(q)  # type: ignore[operator]
-    for (s, y), share in zip(pairs, reversed(shares), strict=True):
-        z += s * (share - (y * z).sum() / (s * y).sum())
+def two_loops(slope: Tensor, pairs: list[Pair], soft: Tensor) -> Tensor:
+    """The inverse metric after the remembered pairs, applied to a slope (B, N, 3)."""
+    q, shares = slope, []
+    for p in reversed(pairs):
+        shares.append(inner(p.moved, q) * p.inverse)
+        q = q - shares[-1] * p.turned
+    z = soft @ q
+    for p, share in zip(pairs, reversed(shares), strict=True):
+        z = z + p.moved * (share - inner(p.turned, z) * p.inverse)
     return z
 
 
 @torch.no_grad()
-def skinned(sample: Sample, rest: Tensor, entry: ShapedPoses, poses: Tensor) -> Posed:
-    """Plain skinning by the diffused weights of the body."""
-    x, up = skin(rest.expand(len(poses), -1, -1), *influences(sample), entry.transforms[poses])
+def skinned(sample: Sample, rest: Tensor, transforms: Tensor) -> Posed:
+    """Plain skinning of rest (B, N, 3) by the diffused weights of the body."""
+    x, up = skin(rest, *influences(sample), transforms)
     return Posed(x, x, up)
 
 
+@torch.no_grad()
 def influences(sample: Sample) -> tuple[Tensor, Tensor]:
     """Diffused weights of the body at each vertex, (N, 4), and their joints, (N, 4)."""
     return top_four(gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight))
@@ -163,31 +216,29 @@ def influences(sample: Sample) -> tuple[Tensor, Tensor]:
 
 def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Tensor:
     """An outfit on one body, relaxed in several poses, (P, N, 3) world."""
-    rest, mesh = carry(sample, bank, entry)
-    return torch.cat([follow(sample, rest, mesh, bank, entry, int(p)) for p in poses])
+    return follow(sample, Worn.of(sample, bank, entry, len(poses)), bank, Bodies.of(entry, poses))
 
 
-def follow(
-    sample: Sample, rest: Tensor, mesh: RestMesh, bank: BodyBank, entry: ShapedPoses, pose: int, steps: int = STEPS
-) -> Tensor:
-    """An outfit (N, 3) relaxed in one pose, (1, N, 3) world, while the body bends there from the A-pose.
+def follow(sample: Sample, worn: Worn, bank: BodyBank, bodies: Bodies, steps: int = STEPS) -> Tensor:
+    """An outfit relaxed on B bodies, (B, N, 3) world, while each bends from the A-pose to its pose.
 
     Skinned into a deep bend at once it would lie inside the limbs, and the nearest way out is often the wrong one.
     """
-    away = torch.zeros_like(rest)  # from where skinning puts the cloth, in rest axes
+    soft = softness(worn.mesh, sample.held)
+    away = torch.zeros_like(worn.rest)  # from where skinning puts the cloth, in rest axes
     for share in (*ON_THE_WAY, 1.0):
-        there, at = (bent(entry, bank, pose, share), 0) if share < 1 else (entry, pose)
-        start, turn = skinned(sample, rest, there, torch.tensor([at])), turns(sample, there, at)
-        start = replace(start, posed=start.skinned + (turn @ away[..., None])[None, ..., 0])
-        x = relax(sample, mesh, start, bank, there, torch.tensor([at]), FEW if share < 1 else steps)
-        away = (turn.transpose(1, 2) @ (x - start.skinned)[0][..., None])[..., 0]
+        there = bent(bodies, bank, share) if share < 1 else bodies
+        start, turn = skinned(sample, worn.rest, there.transforms), turns(sample, there.transforms)
+        start = replace(start, posed=start.skinned + (turn @ away[..., None])[..., 0])
+        x = relax(sample, worn.mesh, start, bank, there, soft, FEW if share < 1 else steps)
+        away = (turn.transpose(-2, -1) @ (x - start.skinned)[..., None])[..., 0]
     return x
 
 
-def turns(sample: Sample, entry: ShapedPoses, pose: int) -> Tensor:
-    """How skinning turns each vertex in one pose, (N, 3, 3), not quite rotations."""
+def turns(sample: Sample, transforms: Tensor) -> Tensor:
+    """How skinning turns each vertex, (B, N, 3, 3), not quite rotations."""
     weight, joint = influences(sample)
-    return (entry.transforms[pose, :, :, :3][joint] * weight[..., None, None]).sum(1)
+    return (transforms[:, joint, :, :3] * weight[..., None, None]).sum(2)
 
 
 def chances(entry: ShapedPoses) -> Floats:

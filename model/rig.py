@@ -17,6 +17,7 @@ from energies import RestMesh
 from export import run_onnx
 from garment.ornaments import carriers
 from nets.deepsd import Sizes, gather_mean, pose_features, skin
+from posed_bodies import Bodies
 from training_data import BodyBank, Sample, ShapedPoses, as_sample, prepare
 
 
@@ -123,6 +124,6 @@ def measure(rig: Rig, scenes: list[Scene], sample: Sample, bank: BodyBank, basis
         d = drape(rig, s, s.relaxed, basis, weight)
         miss = (d.posed - s.x).norm(dim=-1).mean()
         edge = (energies.edge_lengths(d.posed, s.mesh.edges) - s.mesh.length).abs().mean()
-        inside = (cloth_energy.contacts(d, sample, bank, s.entry, s.relaxed).body < 0).float().mean()
+        inside = (cloth_energy.contacts(d, sample, bank, Bodies.of(s.entry, s.relaxed)).body < 0).float().mean()
         rows.append([1e3 * miss.item(), 1e3 * edge.item(), 100 * inside.item()])
     return Measured(*(round(float(x), 3) for x in np.mean(rows, 0)))

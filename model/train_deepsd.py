@@ -26,6 +26,7 @@ import optimisers
 from cloth_energy import Contacts, Posed
 from energies import RestMesh
 from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
+from posed_bodies import Bodies
 from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, TargetPool, carry, load_samples
 
 #: First and last matrices of the networks.
@@ -122,7 +123,7 @@ def run_one(
 ) -> tuple[Draped, RestMesh, Contacts]:
     rest, mesh = carry(sample, bank, entry)
     d = drape(net, sample, rest, entry, poses, bank.parents)
-    return d, mesh, cloth_energy.contacts(d, sample, bank, entry, poses)
+    return d, mesh, cloth_energy.contacts(d, sample, bank, Bodies.of(entry, poses))
 
 
 @torch.no_grad()
@@ -167,14 +168,14 @@ def step(net: DeePSD, data: Data, rng: np.random.Generator, s: Settings, progres
     d = drape(net, it.sample, it.rest, it.entry, it.poses, data.bank.parents)
     terms, measured = of_weights(d, it.sample, schedule, progress), {}
     if it.aim is None or not copying:
-        contacts = cloth_energy.contacts(d, it.sample, data.bank, it.entry, it.poses)
+        contacts = cloth_energy.contacts(d, it.sample, data.bank, Bodies.of(it.entry, it.poses))
         terms |= cloth_energy.terms(d, d.offset, it.mesh, contacts, it.sample)
         measured = measures(d, it.mesh, contacts)
     if it.aim is not None:
         # Relaxed cloth is held by its waistband and by friction; holding it back as well would move it away from there.
         terms.pop("hold", None)
         firmness = torch.full_like(it.sample.distance, schedule.target_at(progress))
-        terms["target"] = energies.hold(d.posed - it.aim, firmness, it.mesh.area)
+        terms["target"] = energies.hold(d.posed - it.aim, firmness, it.mesh.area).mean()
         measured["miss_mm"] = 1000 * (d.posed - it.aim).detach().norm(dim=-1).mean().item()
     total = torch.stack([value for name, value in terms.items() if s.terms is None or name in s.terms]).sum()
     total.backward()

@@ -21,6 +21,7 @@ from torch import Tensor, nn
 
 import garnet_losses as losses
 import optimisers
+from devices import on
 from garnet_data import GARNET, SPLITS
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
@@ -72,7 +73,8 @@ def curvature(x: Tensor, garment: Garment, s: Scenes, kind: str) -> dict[str, Te
 def balanced(net: GarNet, garment: Garment, scenes: Scenes, kind: str) -> dict[str, float]:
     """Weights that make every curvature term as large as what is left of equation 3, as section 3.5 chose them."""
     with torch.no_grad():
-        some = scenes.pick(torch.linspace(0, len(scenes) - 1, min(16, len(scenes))).long())
+        rows = torch.linspace(0, len(scenes) - 1, min(16, len(scenes))).long()
+        some = scenes.pick(rows.to(scenes.warped.device))
         x = draped(net, garment, some)
         whole = KEPT * sum(v.item() for v in physical(x, garment, some).values())
         return {name: whole / max(v.item(), 1e-20) for name, v in curvature(x, garment, some, kind).items()}
@@ -85,7 +87,8 @@ def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
     weights = balanced(net, garment, scenes, s.curvature) if s.curvature else {}
     while (progress := (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
         optimisers.set_rate(tools, s.rate * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress))))
-        batch = scenes.pick(torch.as_tensor(rng.integers(len(scenes), size=s.batch)))
+        rows = torch.as_tensor(rng.integers(len(scenes), size=s.batch))
+        batch = scenes.pick(rows.to(scenes.warped.device))
         batch = batch.mirrored() if rng.random() < 0.5 else batch
         x = draped(net, garment, batch)
         terms = {k: (KEPT if s.curvature else 1.0) * v for k, v in physical(x, garment, batch).items()}
@@ -94,10 +97,11 @@ def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
         optimisers.step(tools)
         count += 1
-        history.append({k: v.item() for k, v in terms.items()})
+        history.append(torch.stack(list(terms.values())).detach())
         if count % 100 == 0:
-            mean = {k: round(float(np.mean([h[k] for h in history])), 6) for k in history[0]}
-            print(json.dumps({"step": count, "progress": round(progress, 3), **mean}), flush=True)
+            mean = dict(zip(terms, torch.stack(history).mean(0).tolist(), strict=True))
+            rounded = {k: round(v, 6) for k, v in mean.items()}
+            print(json.dumps({"step": count, "progress": round(progress, 3), **rounded}), flush=True)
             history.clear()
 
 
@@ -115,18 +119,20 @@ def main() -> None:
     p.add_argument("--resume", action="store_true", help="go on from the same run's weights")
     p.add_argument("--rate", type=float, help="highest rate; 4e-3, or 1e-3 where a run goes on from another")
     p.add_argument("--drapes", type=Path, default=GARNET)
+    p.add_argument("--device", default="cpu")
+    p.add_argument("--batch", type=int, default=2, help="drapes a step: 2 for a core, 16 for a GPU")
     a = p.parse_args()
     torch.manual_seed(0)
     train = SPLITS[0]
-    garment, scenes = load(a.garment, train, train.bank(), a.drapes)
+    garment, scenes = on(load(a.garment, train, train.bank(), a.drapes), a.device)
     print(f"{len(scenes)} drapes of {scenes.warped.shape[1]} vertices", flush=True)
-    net = GarNet(Sizes(variant=a.variant))
+    net = GarNet(Sizes(variant=a.variant)).to(a.device)
     if a.curvature or a.resume:
         net.load_state_dict(torch.load(checkpoint(a.garment, a.variant, a.curvature if a.resume else "")))
     rate = a.rate or (1e-3 if a.curvature or a.resume else 4e-3)
-    learn(net, garment, scenes, Settings(a.minutes, curvature=a.curvature, rate=rate))
+    learn(net, garment, scenes, Settings(a.minutes, a.batch, rate, curvature=a.curvature))
     RUNS.mkdir(parents=True, exist_ok=True)
-    torch.save(net.state_dict(), checkpoint(a.garment, a.variant, a.curvature))
+    torch.save(net.cpu().state_dict(), checkpoint(a.garment, a.variant, a.curvature))
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -227,6 +228,13 @@ class BodyBank:
     def for_training(cls) -> BodyBank:
         """The bank that training and relaxation share."""
         return cls(40, 40, 1)
+
+    def to(self, device: str) -> BodyBank:
+        """The same with its tables on a device; the bodies stay where they are."""
+        out = copy(self)
+        for name in ("triangles", "ring", "reference", "skin"):
+            setattr(out, name, getattr(self, name).to(device))
+        return out
 
     def random_entry(self, body: AnnyBody, values: ShapeValues, poses: list[Rotations]) -> ShapedPoses:
         shaped = body.shape(*values)

@@ -1,6 +1,6 @@
 """Cloth as images: its vertices' values as pixels in pattern space, and back (Jin et al. 2020, sections 3 and 4).
 
-Every panel has an image of its own, `SIZE` pixels square. Pixels outside of the cloth that are near it go on as
+Every panel has an image of its own, square. Pixels outside of the cloth that are near it go on as
 the triangle beside them does, so that filters and interpolation meet no edge.
 """
 
@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csr_matrix, vstack
 from scipy.spatial import cKDTree
 
 from garment.graph import open_sides
@@ -36,54 +35,78 @@ class Panel:
 
 @dataclass(frozen=True)
 class ClothImages:
-    """Linear maps between the garment's N vertices and its K images."""
+    """Linear maps between the garment's N vertices, the Q vertices of its panels (sites) and the M pixels of K images.
 
-    pixel_from_vertex: csr_matrix  # (K * SIZE * SIZE, N); empty rows outside
-    vertex_from_pixel: csr_matrix  # (N, K * SIZE * SIZE)
-    cloth: Mask  # (K, SIZE, SIZE) on the cloth
-    mask: Mask  # (K, SIZE, SIZE) on the cloth or its padding
+    A vertex on a seam is a site of each panel that meets there.
+    """
+
+    vertex: Ints  # (Q,) of the garment
+    share: Floats  # (Q,) of its vertex; those of a vertex sum to 1
+    pixel: Ints  # (M,) in the images laid out one after the other, on the cloth or its padding
+    site_of_pixel: Ints  # (M, 3) corners of the triangle that each pixel lies in or goes on from
+    site_weight: Floats  # (M, 3) rows sum to 1
+    pixel_of_site: Ints  # (Q, 4) pixels around each site
+    pixel_weight: Floats  # (Q, 4) rows sum to 1
+    cloth: Mask  # (K, size, size) on the cloth
+    mask: Mask  # (K, size, size) on the cloth or its padding
 
     def images(self, values: Floats) -> Floats:
-        """Values of the vertices (N, C) as images (K, SIZE, SIZE, C)."""
-        return (self.pixel_from_vertex @ values).reshape(*self.mask.shape, -1)
+        """Values of the sites (Q, C) as images (K, size, size, C), 0 outside."""
+        out = np.zeros((self.mask.size, values.shape[1]))
+        out[self.pixel] = (self.site_weight[..., None] * values[self.site_of_pixel]).sum(1)
+        return out.reshape(*self.mask.shape, -1)
 
     def values(self, images: Floats) -> Floats:
-        """What images (K, SIZE, SIZE, C) say at the vertices, (N, C); on a seam the mean of its panels."""
-        return self.vertex_from_pixel @ images.reshape(-1, images.shape[-1])
+        """What images (K, size, size, C) say at the sites, (Q, C)."""
+        flat = images.reshape(-1, images.shape[-1])
+        return (self.pixel_weight[..., None] * flat[self.pixel_of_site]).sum(1)
+
+    def joined(self, values: Floats) -> Floats:
+        """Values of the sites (Q, C) at the vertices, (N, C): on a seam the mean of its panels."""
+        out = np.zeros((int(self.vertex.max()) + 1, values.shape[1]))
+        np.add.at(out, self.vertex, self.share[:, None] * values)
+        return out
 
 
-def cloth_images(panels: list[Panel], count: int) -> ClothImages:
+def cloth_images(panels: list[Panel], count: int, size: int = SIZE) -> ClothImages:
     """Images of a garment of `count` vertices, all panels at one scale.
 
     Raises ValueError for a vertex on no panel.
     """
-    pixels = SIZE - 1 - 2 * MARGIN
+    vertex = np.concatenate([p.vertices for p in panels])
+    uses = np.bincount(vertex, minlength=count)
+    if (uses == 0).any():
+        raise ValueError(f"{int((uses == 0).sum())} vertices of the garment lie on no panel")
+    pixels = size - 1 - 2 * MARGIN
     scale = pixels / max(float(np.ptp(p.places, axis=0).max()) for p in panels)
-    made = [_panel(panel, scale, count) for panel in panels]
-    reads = _mean_of([reader for _, reader, _, _ in made])
-    cloth, mask = (np.stack([part[k] for part in made]) for k in (2, 3))
-    return ClothImages(vstack([writer for writer, _, _, _ in made]).tocsr(), reads, cloth, mask)
+    parts = []
+    for k, panel in enumerate(panels):
+        first = sum(len(p.vertices) for p in panels[:k])
+        parts.append(_panel(panel, scale, size, (first, k * size * size)))
+    pixel, site, site_weight, around, around_weight = (np.concatenate([p[k] for p in parts]) for k in range(5))
+    cloth, mask = (np.stack([p[k] for p in parts]) for k in (5, 6))
+    return ClothImages(vertex, 1 / uses[vertex], pixel, site, site_weight, around, around_weight, cloth, mask)
 
 
-def _panel(panel: Panel, scale: float, count: int) -> tuple[csr_matrix, csr_matrix, Mask, Mask]:
-    """Pixels from vertices (S * S, N), vertices from pixels (N, S * S), cloth and mask of one panel."""
+def _panel(panel: Panel, scale: float, size: int, first: tuple[int, int]) -> tuple[Ints | Floats | Mask, ...]:
+    """The fields of `ClothImages` from `pixel` on, of one panel; first: numbers of its first site and pixel."""
     low, high = panel.places.min(0), panel.places.max(0)
-    at = (panel.places - (low + high) / 2) * scale + (SIZE - 1) / 2
+    at = (panel.places - (low + high) / 2) * scale + (size - 1) / 2
     # Rows of an image run down, pattern space up.
-    at = np.stack([at[:, 0], SIZE - 1 - at[:, 1]], 1)
-    inside = _triangles_of_pixels(at, panel.triangles)
+    at = np.stack([at[:, 0], size - 1 - at[:, 1]], 1)
+    inside = _triangles_of_pixels(at, panel.triangles, size)
     own = _padded(at, panel.triangles, inside)
     y, x = np.nonzero(own >= 0)
     triangle = panel.triangles[own[y, x]]
     weight = _barycentric(at[triangle], np.stack([x, y], 1).astype(float))
-    rows = np.repeat(y * SIZE + x, 3)
-    writer = coo_matrix((weight.ravel(), (rows, panel.vertices[triangle].ravel())), (SIZE * SIZE, count))
-    return writer.tocsr(), _bilinear(at, panel.vertices, count), inside >= 0, own >= 0
+    around, around_weight = _bilinear(at, size)
+    sites, pixels = first
+    return y * size + x + pixels, triangle + sites, weight, around + pixels, around_weight, inside >= 0, own >= 0
 
 
-def _triangles_of_pixels(at: Floats, triangles: Ints) -> Ints:
-    """The triangle that each pixel's middle lies in, (SIZE, SIZE), -1 outside of all."""
-    out = np.full((SIZE, SIZE), -1)
+def _triangles_of_pixels(at: Floats, triangles: Ints, size: int) -> Ints:
+    """The triangle that each pixel's middle lies in, (size, size), -1 outside of all."""
+    out = np.full((size, size), -1)
     for k, corners in enumerate(at[triangles]):
         low, high = np.ceil(corners.min(0)).astype(int), np.floor(corners.max(0)).astype(int)
         x, y = np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(low, high, strict=True)))
@@ -115,31 +138,12 @@ def _barycentric(corners: Floats, points: Floats) -> Floats:
     return cross / np.where(np.abs(total) < 1e-12, 1e-12, total)
 
 
-def _bilinear(at: Floats, vertices: Ints, count: int) -> csr_matrix:
-    """Rows that read the four pixels around each vertex."""
+def _bilinear(at: Floats, size: int) -> tuple[Ints, Floats]:
+    """The four pixels around each place, (P, 4), and their weights."""
     corner = np.floor(at).astype(int)
-    along = at - corner
-    entries = []
+    along, entries = at - corner, []
     for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
         weight = np.abs(1 - dx - along[:, 0]) * np.abs(1 - dy - along[:, 1])
-        entries.append((weight, (corner[:, 1] + dy) * SIZE + corner[:, 0] + dx))
-    weight, pixel = (np.concatenate(part) for part in zip(*entries, strict=True))
-    return coo_matrix((weight, (np.tile(vertices, 4), pixel)), (count, SIZE * SIZE)).tocsr()
-
-
-def _mean_of(readers: list[csr_matrix]) -> csr_matrix:
-    """Readers of the panels side by side, each vertex the mean over the panels that have it."""
-    joined = [r.tocoo() for r in readers]
-    rows, columns, data = (
-        np.concatenate(parts)
-        for parts in (
-            [r.row for r in joined],
-            [r.col + k * SIZE * SIZE for k, r in enumerate(joined)],
-            [r.data for r in joined],
-        )
-    )
-    out = coo_matrix((data, (rows, columns)), (readers[0].shape[0], len(readers) * SIZE * SIZE)).tocsr()
-    total = np.asarray(out.sum(1))
-    if (total == 0).any():
-        raise ValueError(f"{int((total == 0).sum())} vertices of the garment lie on no panel")
-    return out.multiply(1 / total).tocsr()
+        entries.append(((corner[:, 1] + dy) * size + corner[:, 0] + dx, weight))
+    pixel, weight = (np.stack(part, 1) for part in zip(*entries, strict=True))
+    return pixel, weight

@@ -39,8 +39,8 @@ def best_of(x: Tensor, surface: Tensor, index: Tensor) -> Tensor:
     One axis at a time: a sum over three neighbouring numbers costs several times as much.
     """
     count, size = surface.shape[:2]
-    flat = (index + size * torch.arange(count)[:, None, None]).reshape(-1)
-    distance = torch.zeros(index.shape)
+    flat = (index + size * torch.arange(count, device=index.device)[:, None, None]).reshape(-1)
+    distance = surface.new_zeros(index.shape)
     for along_surface, along_x in zip(surface.reshape(-1, 3).T.contiguous(), x.unbind(2), strict=True):
         distance += (along_surface.index_select(0, flat).reshape(index.shape) - along_x[..., None]).square_()
     return index.gather(2, distance.argmin(2, keepdim=True))[..., 0]

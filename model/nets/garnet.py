@@ -94,7 +94,7 @@ class SpatialTransformer(nn.Module):
     def forward(self, x: Tensor) -> Tensor:
         """(P, M, width) -> the same, aligned."""
         turn = self.head(self.points(x).amax(1)).unflatten(1, (self.width, self.width))
-        return x @ (turn + torch.eye(self.width))
+        return x @ (turn + torch.eye(self.width, device=x.device))
 
 
 class BodyStream(nn.Module):
@@ -211,7 +211,7 @@ class GarNet(nn.Module):
 def around(points: Tensor, near: Neighbours) -> Tensor:
     """Thinned values of body points (P, M, F) around each garment node, nearest first, (P, N, POOLED, F)."""
     thin = points[:, near.thinned].mean(2)
-    drapes = torch.arange(thin.shape[0])[:, None, None]
+    drapes = torch.arange(thin.shape[0], device=thin.device)[:, None, None]
     return thin[drapes, near.pooled]
 
 

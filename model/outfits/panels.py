@@ -63,3 +63,24 @@ def _upright(places: Array, seen: Array) -> Array:
     angle = np.arctan2(across[1, 0] - across[0, 1], across[0, 0] + across[1, 1])
     cos, sin = np.cos(angle), np.sin(angle)
     return places @ np.array([[cos, sin], [-sin, cos]])
+
+
+def patches(panels: list[Panel], garment: GarmentMesh, body: BodyFields) -> list[Panel]:
+    """Panels of a top divided by a cage: sleeves, and left and right of the trunk above and below the waist."""
+    return [part for panel in panels for part in _divided(panel, _patch(panel, garment, body))]
+
+
+def _patch(panel: Panel, garment: GarmentMesh, body: BodyFields) -> np.ndarray:
+    """Which patch each triangle of a panel belongs to."""
+    p = garment.vertices[panel.vertices][panel.triangles].mean(1)
+    sleeve = (fl.armhole_seam(body)(p) > 0) & (p[:, 1] > 0.9)
+    middle = garment.vertices[:, 1].min() * 0.5 + p[~sleeve, 1].max() * 0.5
+    return 3 * (p[:, 0] > 0) + np.where(sleeve, 2, p[:, 1] > middle)
+
+
+def _divided(panel: Panel, patch: np.ndarray) -> list[Panel]:
+    out = []
+    for code in np.unique(patch):
+        used, local = np.unique(panel.triangles[patch == code], return_inverse=True)
+        out.append(Panel(panel.vertices[used], local.reshape(-1, 3), panel.places[used]))
+    return out

@@ -54,10 +54,11 @@ def fault(path: Path) -> str:
     return Judged(*(float(kept[name]) for name in Judged.__dataclass_fields__)).fault(Limits()) or ""
 
 
-def judge(
-    x: Floats, residual: float, start: tuple[Floats, Floats], triangles: Ints, body: tuple[Floats, Ints]
-) -> Judged:
-    """Judges cloth x (N, 3) that started at start[0] with rest pose start[1] on a body, (V, 3) and (F, 3)."""
+def judge(x: Floats, residual: float, start: tuple[Ints, Floats], triangles: Ints, body: tuple[Floats, Ints]) -> Judged:
+    """Judges cloth x (N, 3) on a body, (V, 3) and (F, 3).
+
+    start: edges that cross the cloth where it started (`crossing`), and its rest pose (N, 3).
+    """
     if not np.isfinite(x).all():
         return Judged(np.nan, np.nan, np.nan, np.nan)
     used = np.unique(body[1])
@@ -68,7 +69,7 @@ def judge(
     inside = ((points - body[0][used][hit]) * normals[hit]).sum(1) < 0
     edges = mesh_edges(triangles)
     ratio = lengths(x, edges) / np.maximum(lengths(start[1], edges), 1e-5)
-    crossed = np.setdiff1d(crossing(x, triangles, edges), crossing(start[0], triangles, edges))
+    crossed = np.setdiff1d(crossing(x, triangles), start[0])
     return Judged(residual, float(inside.mean()), float(np.quantile(ratio, 0.999)), len(crossed) / len(edges))
 
 
@@ -77,8 +78,9 @@ def lengths(x: Floats, edges: Ints) -> Floats:
     return np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
 
 
-def crossing(x: Floats, triangles: Ints, edges: Ints) -> Ints:
+def crossing(x: Floats, triangles: Ints) -> Ints:
     """Numbers of the edges that pass through a triangle of the same cloth which they do not touch."""
+    edges = mesh_edges(triangles)
     middle, centre = x[edges].mean(1), x[triangles].mean(1)
     reach = lengths(x, edges) / 2 + np.linalg.norm(x[triangles] - centre[:, None], axis=2).max()
     pairs = cKDTree(centre).query_ball_point(middle, reach)

@@ -31,7 +31,7 @@ from outfits.held_out import held_out, write_obj
 from outfits.resolutions import coarser
 from training_data import DATA, random_shape
 
-from .checks import Limits, fault, judge
+from .checks import Limits, crossing, fault, judge
 from .colliders import touched
 from .weight import pull
 
@@ -131,7 +131,8 @@ def simulate(run: Run) -> None:
     if run.perturbed:
         x = x + np.random.default_rng(run.body).normal(0, PERTURBED, x.shape).astype(np.float32)
     end = equilibrium(cloth, x, surface, Settings())
-    judged = judge(end.x, end.residual, (start["resolved"][run.body, run.pose], cloth.rest), cloth.triangles, surface)
+    already = crossing(start["resolved"][run.body, run.pose], cloth.triangles)
+    judged = judge(end.x, end.residual, (already, cloth.rest), cloth.triangles, surface)
     np.savez_compressed(run.path, x=end.x.astype(np.float32), steps=end.steps, **asdict(judged))
     print(f"{run.name}: {end.steps} steps, {judged.fault(Limits()) or 'good'}", flush=True)
 

@@ -10,9 +10,10 @@ import pytest
 import torch
 from torch import Tensor
 
-import bending
 import cloth_energy
+import posed_bodies
 import relax
+from posed_bodies import Bodies
 from train_deepsd import Data, DeePSD, Settings, Sizes, step
 from training_data import BodyBank, OutfitPool, Sample, TargetPool, carry
 
@@ -29,12 +30,19 @@ def relaxed(skirt: Sample, bank: BodyBank) -> Tensor:
     return relax.relaxed(skirt, bank, bank.entries[1], POSES)
 
 
+def at_first(sample: Sample, bank: BodyBank) -> cloth_energy.Posed:
+    entry = bank.entries[1]
+    return relax.skinned(sample, relax.Worn.of(sample, bank, entry, len(POSES)).rest, entry.transforms[POSES])
+
+
 def strain(sample: Sample, bank: BodyBank, x: Tensor) -> float:
     """Energy of stretch and contact, J/m2."""
     entry = bank.entries[1]
-    rest, mesh = carry(sample, bank, entry)
-    d = replace(relax.skinned(sample, rest, entry, POSES), posed=x)
-    terms = cloth_energy.terms(d, x - d.skinned, mesh, cloth_energy.contacts(d, sample, bank, entry, POSES), sample)
+    mesh = carry(sample, bank, entry)[1]
+    d = replace(at_first(sample, bank), posed=x)
+    terms = cloth_energy.terms(
+        d, x - d.skinned, mesh, cloth_energy.contacts(d, sample, bank, Bodies.of(entry, POSES)), sample
+    )
     return float(terms["stretch"] + terms["contact"])
 
 
@@ -42,14 +50,14 @@ def test_relaxed_cloth_has_a_fraction_of_the_strain_and_stays_near_the_body(
     skirt: Sample, bank: BodyBank, relaxed: Tensor
 ) -> None:
     entry = bank.entries[1]
-    start = relax.skinned(skirt, carry(skirt, bank, entry)[0], entry, POSES)
+    start = at_first(skirt, bank)
     assert strain(skirt, bank, relaxed) < 0.2 * strain(skirt, bank, start.skinned)
     distance = torch.cdist(relaxed, entry.vertices[POSES]).min(2).values
     assert distance.max() < 0.5
 
 
 def test_a_skirt_stays_at_its_waistband(skirt: Sample, bank: BodyBank, relaxed: Tensor) -> None:
-    start = relax.skinned(skirt, carry(skirt, bank, bank.entries[1])[0], bank.entries[1], POSES).skinned
+    start = at_first(skirt, bank).skinned
     moved = (relaxed - start).norm(dim=2)
     assert len(skirt.held) > 10
     assert moved[:, skirt.held].max() < 1e-4
@@ -57,34 +65,50 @@ def test_a_skirt_stays_at_its_waistband(skirt: Sample, bank: BodyBank, relaxed: 
 
 
 def test_bodies_bend_from_the_a_pose_to_the_pose_and_stay_whole(bank: BodyBank) -> None:
-    entry = bank.entries[1]
-    posed, joints = entry.transforms[2].double().numpy(), entry.joints.double().numpy()
-    np.testing.assert_allclose(bending.shared(posed, joints, bank.parents, 1.0), posed, atol=1e-5)
-    still = np.tile(np.eye(3, 4), (len(joints), 1, 1))
-    np.testing.assert_allclose(bending.shared(posed, joints, bank.parents, 0.0), still, atol=1e-5)
-    half = bending.shared(posed, joints, bank.parents, 0.5)
+    bodies = Bodies.of(bank.entries[1], POSES)
+    posed, joints = bodies.transforms.double().numpy(), bodies.joints.double().numpy()
+    np.testing.assert_allclose(posed_bodies.shared(posed, joints, bank.parents, 1.0), posed, atol=1e-5)
+    still = np.tile(np.eye(3, 4), (*joints.shape[:2], 1, 1))
+    np.testing.assert_allclose(posed_bodies.shared(posed, joints, bank.parents, 0.0), still, atol=1e-5)
+    half = posed_bodies.shared(posed, joints, bank.parents, 0.5)[2]
     for j, parent in enumerate(bank.parents.tolist()):
         if parent >= 0:
-            at = [half[k, :, :3] @ joints[j] + half[k, :, 3] for k in (j, parent)]
+            at = [half[k, :, :3] @ joints[2, j] + half[k, :, 3] for k in (j, parent)]
             np.testing.assert_allclose(*at, atol=1e-9)
-    body = bending.bent(entry, bank, 2, 1.0)
-    assert (body.vertices[0] - entry.vertices[2]).norm(dim=1).median() < 1e-4
+    body = posed_bodies.bent(bodies, bank, 1.0)
+    assert (body.vertices - bodies.vertices).norm(dim=2).median() < 1e-4
 
 
 def test_the_metric_turns_the_slope_of_a_quadratic_into_its_minimum() -> None:
-    rng = np.random.default_rng(3)
-    half = rng.normal(size=(6, 6))
-    stiffness, goal = half @ half.T + np.eye(6), rng.normal(size=(6, 3))
-    pairs, x = [], np.zeros((6, 3))
+    """Two drapes at once, each with a stiffness of its own."""
+    half = torch.randn(2, 6, 6, dtype=torch.float64, generator=torch.manual_seed(3))
+    stiffness, goal = half @ half.mT + torch.eye(6), torch.randn(2, 6, 3, dtype=torch.float64)
+    soft, pairs, x = torch.eye(6, dtype=torch.float64) / 4, [], torch.zeros_like(goal)
     for _ in range(60):
-        slope = stiffness @ (x - goal)
-        if np.abs(slope).max() < 1e-9:
-            break
-        move = -relax.two_loops(slope, pairs[-8:], lambda q: q / 4)
-        move *= -(slope * move).sum() / (move * (stiffness @ move)).sum()
-        pairs.append((move, stiffness @ move))
-        x = x + move
-    np.testing.assert_allclose(x, goal, atol=1e-5)
+        here = relax.Point(x, torch.zeros(2), stiffness @ (x - goal))
+        move = -relax.two_loops(here.slope, pairs[-8:], soft)
+        along = relax.inner(move, stiffness @ move)
+        x = x - move * relax.inner(here.slope, move) / along.clamp(min=1e-300)
+        pairs.append(relax.Pair.between(here, relax.Point(x, torch.zeros(2), stiffness @ (x - goal))))
+    np.testing.assert_allclose(x, goal, atol=1e-4)
+
+
+def test_a_search_shortens_steps_and_leaves_what_does_not_get_better() -> None:
+    """A bowl, a hill, and one that is told to stay."""
+    held, x = torch.zeros(0, dtype=torch.int64), torch.full((3, 1, 3), 0.1)
+    bowl = torch.tensor([100.0, -1.0, 1.0])
+    energy = lambda x: bowl * x.square().sum((1, 2))  # noqa: E731
+    here = relax.point(energy, x, held)
+    move = torch.tensor([-0.9, 0.2, -0.1])[:, None, None] * torch.ones_like(x)
+    there, went = relax.search(energy, here, -move.abs() * here.x.sign(), held, torch.tensor([False, False, True]))
+    assert went.tolist() == [True, False, False]
+    assert there.value[0] < here.value[0]
+    assert torch.equal(there.x[1:], here.x[1:])
+
+
+def test_drapes_relaxed_together_are_what_each_is_alone(skirt: Sample, bank: BodyBank, relaxed: Tensor) -> None:
+    alone = relax.relaxed(skirt, bank, bank.entries[1], POSES[1:2])
+    assert (alone[0] - relaxed[1]).norm(dim=1).mean() < 5e-3
 
 
 def test_training_draws_relaxed_outfits_of_its_own_bodies_only(

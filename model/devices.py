@@ -1,0 +1,24 @@
+"""Where tensors are: `--device cuda` on a GPU."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass, replace
+from typing import TypeVar
+
+import torch
+from torch import Tensor
+
+T = TypeVar("T")
+
+
+def on(thing: T, device: str | torch.device) -> T:
+    """The same tensor, tuple, dictionary or dataclass, its tensors on a device; everything else as it is."""
+    if isinstance(thing, Tensor):
+        return thing.to(device)
+    if isinstance(thing, tuple):
+        return tuple(on(x, device) for x in thing)  # type: ignore[return-value]
+    if isinstance(thing, dict):
+        return {k: on(x, device) for k, x in thing.items()}  # type: ignore[return-value]
+    if is_dataclass(thing) and not isinstance(thing, type):
+        return replace(thing, **{f.name: on(getattr(thing, f.name), device) for f in fields(thing)})
+    return thing

@@ -1,0 +1,156 @@
+"""Drapes that pixel cloth learns from: `python -m pixel_data --minutes 600`, or `--device cuda --batch 256`.
+
+The T-shirt of the method on the reference body in sampled poses of the upper body (Jin et al. 2020, section 6),
+relaxed to the least energy of the cloth (`relax.py`). Seeded; chunks that are there already are kept, so a run can be
+stopped, and several runs with different `--part` share the work.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import astuple, dataclass
+from itertools import islice
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from body.anny_body import AnnyBody
+from body.humanoid import Rotations
+from devices import on
+from outfits.dataset import save
+from outfits.garnet_garments import garnet_garment
+from pixel_poses import upper_body_poses
+from posed_bodies import Bodies
+from relax import Worn, follow
+from teacher.checks import Judged, Limits, crossing, judge
+from training_data import DATA, BodyBank, Sample, ShapedPoses, load_sample
+
+PIXEL = DATA / "pixel"
+#: Vertices per square metre: 2.7 thousand vertices.
+DENSITY = 3000
+#: Drapes, of a file, and their seed.
+COUNT, CHUNK, SEED = 5120, 64, 9_001
+#: Steps of a relaxation, as of `garnet_data`.
+STEPS = 640
+#: Every tenth drape each is for validation and for the test (section 6.3: 80/10/10).
+SPLITS = {"train": range(8), "validation": range(8, 9), "test": range(9, 10)}
+
+
+@dataclass(frozen=True)
+class Drapes:
+    """D drapes of one garment on the reference body."""
+
+    x: Tensor  # (D, N, 3) world
+    transforms: Tensor  # (D, 36, 3, 4) world from A-pose
+    number: Tensor  # (D,) of the pose
+
+    def of(self, split: str) -> Drapes:
+        rows = torch.isin(self.number % 10, torch.tensor(list(SPLITS[split])))
+        return Drapes(self.x[rows], self.transforms[rows], self.number[rows])
+
+
+def shirt(folder: Path = PIXEL, density: int = DENSITY) -> Sample:
+    """The T-shirt, prepared; made where it is missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / "tee.npz").exists():
+        save(garnet_garment("tee", density), folder / "tee.npz")
+    return load_sample(folder / "tee.npz")
+
+
+def in_poses(bank: BodyBank, poses: list[Rotations]) -> ShapedPoses:
+    """The reference body."""
+    return bank.random_entry(AnnyBody.load(), ({}, {}), poses)
+
+
+class Maker:
+    """Relaxes chunks of drapes on a device; other processes judge them."""
+
+    def __init__(self, out: Path, device: str, workers: int) -> None:
+        self.out, self.device, self.bank = out, device, BodyBank(0, 0, 0)
+        self.pool = ProcessPoolExecutor(workers, get_context("spawn"))
+        self.sample = shirt(out)
+        self.already = crossing(self.sample.vertices.double().numpy(), self.sample.tables[2].numpy())
+
+    def make(self, entry: ShapedPoses, batch: int) -> tuple[NDArray[np.float32], list[Judged]]:
+        """Cloth in every pose of an entry, (P, N, 3), and its judgements."""
+        done = [self.relaxed(entry, poses) for poses in torch.arange(len(entry.vertices)).split(batch)]
+        x, tables = np.concatenate(done), (self.sample.tables[2].numpy(), self.bank.triangles.numpy())
+        start = (self.already, self.sample.vertices.numpy())
+        waiting = [
+            self.pool.submit(judged, cloth, start, skin, *tables)
+            for cloth, skin in zip(x, entry.vertices.numpy(), strict=True)
+        ]
+        return x, [future.result() for future in waiting]
+
+    def relaxed(self, entry: ShapedPoses, poses: Tensor) -> NDArray[np.float32]:
+        worn, bodies = Worn.of(self.sample, self.bank, entry, len(poses)), Bodies.of(entry, poses)
+        sample, worn, bodies = on((self.sample, worn, bodies), self.device)
+        return follow(sample, worn, self.bank.to(self.device), bodies, STEPS).cpu().numpy()
+
+
+def judged(
+    x: NDArray[np.float32], start: tuple[NDArray, NDArray], skin: NDArray, triangles: NDArray, skin_triangles: NDArray
+) -> Judged:
+    """As `judge`; relaxation ends where it ends, so there is no residual."""
+    return judge(x.astype(np.float64), 0.0, start, triangles, (skin.astype(np.float64), skin_triangles))
+
+
+def files(out: Path = PIXEL) -> Iterator[Path]:
+    """Where each chunk lies, in the order of the poses."""
+    yield from (out / "tee" / f"{k:03d}.npz" for k in range(COUNT // CHUNK))
+
+
+def load(split: str, out: Path = PIXEL) -> Drapes:
+    """Every good drape of a split that is there. Raises FileNotFoundError when there is none."""
+    rows = []
+    for k, path in enumerate(files(out)):
+        if path.exists():
+            kept, number = np.load(path), np.arange(k * CHUNK, (k + 1) * CHUNK)
+            fine = [Judged(*row).fault(Limits()) is None for row in kept["judged"].tolist()]
+            rows.append([torch.as_tensor(v[fine]) for v in (kept["x"], kept["transforms"], number[: len(fine)])])
+    if not rows:
+        raise FileNotFoundError(f"no drapes under {out}: run `python -m pixel_data` first")
+    return Drapes(*(torch.cat(column) for column in zip(*rows, strict=True))).of(split)
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--minutes", type=float, default=60)
+    p.add_argument("--part", type=int, default=0, help="which of every --parts chunks to make")
+    p.add_argument("--parts", type=int, default=1)
+    p.add_argument("--out", type=Path, default=PIXEL)
+    p.add_argument("--device", default="cpu")
+    p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
+    p.add_argument("--workers", type=int, default=1, help="processes that judge drapes")
+    a = p.parse_args()
+    maker, started, faults = Maker(a.out, a.device, a.workers), time.time(), Counter()
+    poses = upper_body_poses(COUNT, SEED)
+    for k, path in islice(enumerate(files(a.out)), a.part, None, a.parts):
+        if time.time() - started > 60 * a.minutes:
+            break
+        if path.exists():
+            continue
+        entry = in_poses(maker.bank, poses[k * CHUNK : (k + 1) * CHUNK])
+        x, found = maker.make(entry, a.batch)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_suffix(".part.npz")
+        np.savez(part, x=x, transforms=entry.transforms.numpy(), judged=np.array([astuple(j) for j in found]))
+        part.rename(path)
+        faults.update(j.fault(Limits()) or "" for j in found)
+        print(
+            f"{faults.total()} drapes, {round(time.time() - started)} s, good and by fault: {dict(faults)}", flush=True
+        )
+    maker.pool.shutdown()
+
+
+if __name__ == "__main__":
+    torch.set_num_threads(1)
+    main()

@@ -1,0 +1,142 @@
+"""Train pixel-based cloth on one garment (Jin et al. 2020, section 7).
+
+python -m train_pixel --minutes 240
+python -m train_pixel --minutes 6 --device cuda --batch 64
+python -m train_pixel --minutes 60 --loss l2 --normals 0       # section 8.1
+python -m train_pixel --minutes 60 --carrier thin              # section 8.2
+python -m train_pixel --minutes 60 --patches                   # section 8.3
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+import garnet_losses
+from devices import on
+from garment import nearest
+from nets.pixel_cloth import OFFSET_UNIT, PixelCloth, Sizes, at_sites, of_mask
+from pixel_data import PIXEL, load, shirt
+from pixel_scenes import Carrier, Garment, Scenes, draped, pixels, scenes
+
+RUNS = Path(__file__).parent / "runs" / "pixel"
+Norm = Literal["l1", "l2"]
+#: A whole garment, and small networks for patches.
+PATCHED = (48, 32, 24, 16, 12)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run is made of."""
+
+    minutes: float
+    batch: int = 8
+    rate: float = 2e-3
+    steps: int = 10**9  # stop after this many, for smoke runs
+    loss: Norm = "l1"
+    normals: float = 0.01  # weight of the normals (section 7), m
+    seed: int = 0
+
+
+def losses(images: Tensor, garment: Garment, s: Scenes, settings: Settings) -> dict[str, Tensor]:
+    """The base loss on the pixels of the mask (equation 1) and that of the normals (equation 2), metres."""
+    off = of_mask(images, garment.pixel) - pixels(garment, s)
+    terms = {"pixels": off.abs().mean() if settings.loss == "l1" else off.square().mean() / OFFSET_UNIT}
+    if settings.normals:
+        x = draped(at_sites(images, garment.pixel_of_site, garment.pixel_weight), garment, s)
+        normals = [nearest.vertex_normals(v, garment.triangles) for v in (x, s.truth)]
+        terms["normals"] = settings.normals * (1 - (normals[0] * normals[1]).sum(-1)).mean()
+    return terms
+
+
+def learn(net: PixelCloth, garment: Garment, data: Scenes, s: Settings) -> None:
+    """The training loop: Adam, cosine rate, a log line every hundred steps."""
+    rng, started, count, history = np.random.default_rng(s.seed), time.time(), 0, []
+    adam = torch.optim.Adam(net.parameters(), s.rate, betas=(0.9, 0.98))
+    while (progress := (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
+        for group in adam.param_groups:
+            group["lr"] = s.rate * (0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * progress)))
+        batch = data.pick(torch.as_tensor(rng.integers(len(data), size=s.batch)).to(data.pose.device))
+        terms = losses(net(batch.pose), garment, batch, s)
+        torch.stack(list(terms.values())).sum().backward()
+        nn.utils.clip_grad_norm_(net.parameters(), 1.0)
+        adam.step()
+        adam.zero_grad()
+        count += 1
+        history.append(torch.stack(list(terms.values())).detach())
+        if count % 100 == 0:
+            mean = dict(zip(terms, torch.stack(history).mean(0).tolist(), strict=True))
+            rounded = {k: round(v, 6) for k, v in mean.items()}
+            print(json.dumps({"step": count, "progress": round(progress, 3), **rounded}), flush=True)
+            history.clear()
+
+
+@torch.no_grad()
+def answers(net: PixelCloth, garment: Garment, data: Scenes) -> Tensor:
+    """Cloth that a network says, (D, N, 3) world."""
+    net.eval()
+    parts = [
+        draped(at_sites(net(s.pose), garment.pixel_of_site, garment.pixel_weight), garment, s)
+        for s in (data.pick(rows) for rows in torch.arange(len(data), device=data.pose.device).split(32))
+    ]
+    return torch.cat(parts)
+
+
+def measures(x: Tensor, garment: Garment, data: Scenes) -> dict[str, float]:
+    """Mean distance to the drapes, and mean angle to their normals."""
+    return {
+        "error_cm": round(100 * (x - data.truth).norm(dim=-1).mean().item(), 4),
+        "angle": round(garnet_losses.normal_angle(x, data.truth, garment.triangles).item(), 3),
+    }
+
+
+def checkpoint(loss: Norm, normals: float, carrier: Carrier, patched: bool) -> Path:
+    """Where a run's weights lie."""
+    parts = (
+        "tee",
+        "patches" if patched else "",
+        "" if carrier == "reference" else carrier,
+        loss if normals else f"{loss}_only",
+    )
+    return RUNS / f"{'_'.join(filter(None, parts))}.pt"
+
+
+def network(garment: Garment) -> PixelCloth:
+    """Untrained, for a whole garment or for its patches."""
+    patched = garment.images > 2
+    return PixelCloth(Sizes(garment.images, PATCHED, garment.images) if patched else Sizes(garment.images))
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--minutes", type=float, default=240)
+    p.add_argument("--loss", choices=get_args(Norm), default="l1")
+    p.add_argument("--normals", type=float, default=Settings.normals)
+    p.add_argument("--carrier", choices=get_args(Carrier), default="reference")
+    p.add_argument("--patches", action="store_true")
+    p.add_argument("--drapes", type=Path, default=PIXEL)
+    p.add_argument("--device", default="cpu")
+    p.add_argument("--batch", type=int, default=Settings.batch, help="drapes a step: 8 for two cores, 64 for a GPU")
+    a = p.parse_args()
+    torch.manual_seed(0)
+    garment = on(Garment.of(shirt(a.drapes), a.patches), a.device)
+    sets = {split: scenes(garment, load(split, a.drapes), a.carrier, a.device) for split in ("train", "validation")}
+    print(f"{len(sets['train'])} drapes, {len(sets['validation'])} to validate", flush=True)
+    net = network(garment).to(a.device)
+    learn(net, garment, sets["train"], Settings(a.minutes, a.batch, loss=a.loss, normals=a.normals))
+    for name, data in sets.items():
+        print(json.dumps({name: measures(answers(net, garment, data), garment, data)}), flush=True)
+    RUNS.mkdir(parents=True, exist_ok=True)
+    torch.save(net.cpu().state_dict(), checkpoint(a.loss, a.normals, a.carrier, a.patches))
+
+
+if __name__ == "__main__":
+    main()
