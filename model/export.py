@@ -114,7 +114,7 @@ def specs(net: DeePSD, concat: ConcatenatedPsi, sizes: Sizes) -> list[GraphSpec]
 def example(ports: Sequence[Port], extents: dict[str, int], seed: int) -> tuple[Tensor, ...]:
     """Random inputs; indices stay below every extent in use, weights are positive."""
     g = torch.Generator().manual_seed(seed)
-    limit = min(extents.values())
+    limit = min(extents.values(), default=1)
     out = []
     for port in ports:
         shape = tuple(extents[d] if isinstance(d, str) else d for d in port.shape)

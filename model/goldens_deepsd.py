@@ -32,11 +32,12 @@ POSES = ("walk-2", "sitting")
 SHAPE = {"gender": 1.0, "weight": 0.7, "height": 0.4}
 
 
-def reference_entry(body: AnnyBody, bank: BodyBank) -> ShapedPoses:
-    """The golden body in the golden poses."""
+def reference_entry(body: AnnyBody, bank: BodyBank, still: tuple[str, ...] = ()) -> ShapedPoses:
+    """The golden body in the golden poses, some joints left out of them."""
     library = {p["id"]: p for p in json.loads((OUT.parents[1] / "poses.json").read_text())["poses"]}
     shaped = body.shape(SHAPE)
-    worlds = [posed_world(body, shaped, library[name]["rotations"]) for name in POSES]
+    poses = [{k: q for k, q in library[name]["rotations"].items() if k not in still} for name in POSES]
+    worlds = [posed_world(body, shaped, pose) for pose in poses]
     return bank.entry(body, (SHAPE, {}), shaped, worlds)
 
 

@@ -21,6 +21,8 @@ JOINTS: tuple[tuple[str | None, str], ...] = (
     ("spine01", "shoulder01.L"), ("shoulder01.L", "upperarm02.L"), ("upperarm02.L", "lowerarm02.L"),
     ("spine01", "shoulder01.R"), ("shoulder01.R", "upperarm02.R"), ("upperarm02.R", "lowerarm02.R"),
 )  # fmt: skip
+#: Humanoid joints that stand still.
+LEGS = ("leftUpperLeg", "leftLowerLeg", "rightUpperLeg", "rightLowerLeg")
 #: Numbers of a pose: rotation matrices.
 POSE = 9 * len(JOINTS)
 

@@ -115,3 +115,10 @@ def draped(offsets: Tensor, garment: Garment, s: Scenes) -> Tensor:
 def pixels(garment: Garment, s: Scenes) -> Tensor:
     """What the images of drapes say, (D, M, 3)."""
     return in_images(s.offsets, garment.site_of_pixel, garment.site_weight)
+
+
+def mask(garment: Garment, side: int) -> Tensor:
+    """Where the images have cloth or its padding, (K, side, side)."""
+    out = torch.zeros(garment.images * side * side, dtype=torch.bool)
+    out[garment.pixel] = True
+    return out.unflatten(0, (garment.images, side, side))

@@ -11,12 +11,15 @@ from body.anny_body import AnnyBody
 
 from .body_fields import body_fields
 from .demos import DEMOS, Demo
+from .fabrics import Fabric, hex_colour
 from .generate import assemble
 from .glb import write_glb
+from .hero import hero_tee
 from .pattern import Pattern
 
 OUT = Path(__file__).parents[1] / "artifacts" / "gallery"
 WRINKLE = 0.0028
+HERO, HERO_FILE = "Hero T-shirt", "hero-t-shirt.glb"
 
 
 def write_demo(demo: Demo, out: Path) -> dict:
@@ -41,6 +44,22 @@ def write_demo(demo: Demo, out: Path) -> dict:
     return entry | ({"benchmark": True} if demo.benchmark else {})
 
 
+def write_hero(out: Path) -> dict:
+    """The garment that pixel cloth drapes, its panels as UVs, and its entry of gallery.json."""
+    garment = hero_tee()
+    garment.material["fabric"] = Fabric("stripes", (hex_colour("#f0ede4"), hex_colour("#2c3c63")), 0.17, 0.88, 0.2, 14)
+    write_glb([garment], out / HERO_FILE, HERO)
+    return {
+        "file": HERO_FILE,
+        "name": HERO,
+        "description": "A T-shirt with a network of its own, which draws its folds as images.",
+        "layers": [garment.name],
+        "vertices": len(garment.vertices),
+        "triangles": len(garment.triangles),
+        "kinds": {garment.name: "tee"},
+    }
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=OUT)
@@ -53,7 +72,9 @@ def main() -> None:
         if args.only in demo.name:
             known[demo.name] = write_demo(demo, args.out)
             print(known[demo.name]["file"], known[demo.name]["vertices"], "vertices", flush=True)
-    order = [make().name for make in DEMOS]
+    if args.only in HERO:
+        known[HERO] = write_hero(args.out)
+    order = [*(make().name for make in DEMOS), HERO]
     entries = sorted(known.values(), key=lambda e: order.index(e["name"]))
     index.write_text(json.dumps(entries, indent=2) + "\n")
 

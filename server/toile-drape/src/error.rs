@@ -18,7 +18,7 @@ pub enum DrapeError {
     #[error("network {graph} answered {found} values where {expected} were due")]
     Answer {
         /// Which graph.
-        graph: &'static str,
+        graph: String,
         /// Values promised.
         expected: usize,
         /// Values found.
@@ -42,6 +42,12 @@ pub enum DrapeError {
         expected: usize,
         /// Kinds stated.
         found: usize,
+    },
+    /// A garment without a pixel-cloth network.
+    #[error("no pixel-cloth network was trained on the garment {garment:?}")]
+    NoHero {
+        /// Its name.
+        garment: String,
     },
     /// A motion without poses.
     #[error("there is no pose to drape")]

@@ -12,6 +12,7 @@ pub mod fitted;
 pub mod folds;
 pub mod garnet_tables;
 pub mod graph;
+pub mod hero;
 pub mod layer_contact;
 pub mod layers;
 pub mod methods;

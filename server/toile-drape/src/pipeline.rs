@@ -12,7 +12,7 @@ use toile_geometry::pose::Pose;
 use crate::contact::Collider;
 use crate::error::DrapeError;
 use crate::fitted::{Fitted, lengths};
-use crate::methods::{GarmentKind, MethodKind, Placement, Wearer};
+use crate::methods::{ClothImages, GarmentKind, MethodKind, Placement, Wearer};
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
@@ -111,6 +111,8 @@ pub struct Drape {
     pub frames: Vec<Frame>,
     /// The worst frame's quality.
     pub quality: Quality,
+    /// What a pixel-cloth network said of the first frame, one entry a garment.
+    pub images: Vec<ClothImages>,
     /// Where the time went.
     pub timing: Timing,
 }
@@ -135,10 +137,14 @@ pub fn drape(
         kinds: request.kinds,
         rest: &fitted.rest,
         shape: &request.motion.shape,
+        body: &studio.body,
+        shaped: &shaped,
+        poses: &request.motion.poses,
         transforms: &posed.transforms,
         parents: &studio.garment_parents,
         bodies: &posed.bodies,
         seen: &studio.seen,
+        heroes: &studio.heroes,
     };
     let method = request.method.method();
     let placement = timing.time("dynamic", || method.dynamic_pass(&wearer, networks))?;
@@ -147,6 +153,9 @@ pub fn drape(
         let (frame, quality) = drape_frame(&scene, index, body, transforms, timing);
         out.quality = out.quality.worse(quality);
         out.frames.push(frame);
+    }
+    if let Placement::Pixels { first, .. } = placement {
+        out.images = first;
     }
     Ok(out)
 }

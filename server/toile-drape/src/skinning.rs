@@ -19,7 +19,9 @@ pub fn place(placement: &Placement<'_>, frame: usize, rest: &[Vec3], transforms:
                 })
                 .collect()
         }
-        Placement::World(frames) => frames.get(frame).cloned().unwrap_or_default(),
+        Placement::World(frames) | Placement::Pixels { frames, .. } => {
+            frames.get(frame).cloned().unwrap_or_default()
+        }
     }
 }
 

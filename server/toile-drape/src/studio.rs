@@ -8,6 +8,7 @@ use toile_geometry::pose::Pose;
 use crate::arm_room::ArmRoom;
 use crate::error::DrapeError;
 use crate::garnet_tables::SeenPoints;
+use crate::hero::Hero;
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
@@ -26,6 +27,8 @@ pub struct Studio {
     pub reference: ReferenceBody,
     /// Points of the body that networks see.
     pub seen: SeenPoints,
+    /// Garments that have a pixel-cloth network.
+    pub heroes: Vec<Hero>,
     /// What a wider body does to arms that hang.
     pub arm_room: ArmRoom,
     /// Parents of the garment joints.
@@ -41,7 +44,7 @@ impl Studio {
     ///
     /// # Errors
     /// When the body's skeleton lacks a limb joint.
-    pub fn new(body: Body) -> Result<Arc<Self>, DrapeError> {
+    pub fn new(body: Body, heroes: Vec<Hero>) -> Result<Arc<Self>, DrapeError> {
         let reference = ReferenceBody::new(&body)?;
         let arm_room = ArmRoom::new(&body, &body.shape(&BodyShape::default()), Arc::clone(&reference.parts));
         let seen = SeenPoints::of(&reference.vertices);
@@ -50,6 +53,7 @@ impl Studio {
             body,
             reference,
             seen,
+            heroes,
             arm_room,
             garment_parents,
             shapes: Recent::new(SHAPES),

@@ -13,7 +13,7 @@ use toile_geometry::pose::Pose;
 
 static STUDIO: LazyLock<Arc<Studio>> = LazyLock::new(|| {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../model/artifacts/body.safetensors");
-    Studio::new(Body::from_safetensors(&std::fs::read(path).unwrap()).unwrap()).unwrap()
+    Studio::new(Body::from_safetensors(&std::fs::read(path).unwrap()).unwrap(), Vec::new()).unwrap()
 });
 
 const WIDE: [(&str, f32); 3] =

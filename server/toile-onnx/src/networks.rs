@@ -16,7 +16,8 @@ use crate::environment::{LibraryError, start};
 use crate::manifest::{Extent, FORMAT, Graph, Manifest, Port};
 
 /// Methods that come with networks, and whether these have a part in the static pass.
-const METHODS: [(&str, bool); 3] = [("deepsd", true), ("deepsd-concat", true), ("garnet", false)];
+const METHODS: [(&str, bool); 4] =
+    [("deepsd", true), ("deepsd-concat", true), ("garnet", false), ("pixel_cloth", false)];
 
 /// The networks on disk cannot be used.
 #[derive(Debug, Error)]

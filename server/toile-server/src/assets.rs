@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 use toile_drape::error::DrapeError;
+use toile_drape::hero::Hero;
 use toile_drape::recent::Recent;
 use toile_drape::studio::Studio;
 use toile_geometry::body::{Body, BodyError, BodyShape, ShapedBody};
@@ -63,11 +64,12 @@ impl Assets {
         let bytes = read(&folder.join("body.safetensors"))?;
         let body = Body::from_safetensors(&bytes)?;
         let poses = PoseLibrary::from_json(&read(&folder.join("poses.json"))?, &body)?;
+        let heroes = heroes(&folder.join("pixel_cloth"), body.vertex_count())?;
         let body_hash = short_hash([bytes.as_slice()]);
         let body_template = BodyTemplate::new(body.vertex_count(), body.triangles());
         let reference = Arc::new(body.shape(&BodyShape::default()));
         Ok(Self {
-            studio: Studio::new(body)?,
+            studio: Studio::new(body, heroes)?,
             reference,
             poses,
             body_template,
@@ -89,6 +91,21 @@ impl Assets {
             self.studio.shapes.get(shape.clone(), |s| self.body().shape(s))
         }
     }
+}
+
+/// The garments with a pixel-cloth network: the tables in `folder`.
+fn heroes(folder: &Path, body_vertices: usize) -> Result<Vec<Hero>, AssetError> {
+    let failed = |cause| AssetError::File { path: folder.to_owned(), cause };
+    let entries =
+        std::fs::read_dir(folder).map_err(failed)?.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    let mut paths: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "safetensors"));
+    paths.sort();
+    let hero = |path: &PathBuf| {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        Ok(Hero::from_safetensors(&name, &read(path)?, body_vertices)?)
+    };
+    paths.iter().map(hero).collect()
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, AssetError> {

@@ -107,6 +107,10 @@ impl From<MeasurementError> for ApiError {
 
 impl From<DrapeError> for ApiError {
     fn from(error: DrapeError) -> Self {
+        if let DrapeError::NoHero { .. } = error {
+            let detail = format!("{} The method \"deepsd\" drapes any garment.", sentence(&error));
+            return Self::new(Code::NoPixelCloth, detail).at("/output/method");
+        }
         Self::internal(error)
     }
 }

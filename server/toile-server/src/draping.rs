@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use bytes::Bytes;
-use toile_drape::methods::{GarmentKind, MethodKind};
+use toile_drape::methods::{ClothImages, GarmentKind, MethodKind};
 use toile_drape::network::Networks;
 use toile_drape::outfit::Garment;
 use toile_drape::pipeline::{self, Drape, DrapeRequest, Motion, Quality};
@@ -23,6 +23,8 @@ pub struct Draped {
     pub glb: Bytes,
     /// How good it is.
     pub quality: Quality,
+    /// What a pixel-cloth network said of the first frame, one entry a garment.
+    pub images: Vec<ClothImages>,
     /// Body and poses that it was made for.
     pub motion: Motion,
     /// Milliseconds of every stage.
@@ -56,7 +58,7 @@ pub fn drape(
     let started = Instant::now();
     let glb = encode(assets, prepared, &drape, &motion, &request.output)?;
     timing.add_since("encode", started, None);
-    Ok(Draped { glb, quality: drape.quality, motion, timing })
+    Ok(Draped { glb, quality: drape.quality, images: drape.images, motion, timing })
 }
 
 /// Kind of every garment, for the method that needs them; as the request says, otherwise as the outfit's metadata do.

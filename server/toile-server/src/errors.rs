@@ -49,6 +49,8 @@ pub enum Code {
     OffBody,
     InvalidBake,
     UnknownKind,
+    /// `pixel_cloth` for a garment without a network.
+    NoPixelCloth,
     UnknownScan,
     NotABody,
     MeasurementOutOfRange,
@@ -141,6 +143,9 @@ impl Code {
             Self::NotABody => (S::UNPROCESSABLE_ENTITY, "not-a-body", "The mesh is no scan of a body"),
             Self::UnknownKind => {
                 (S::UNPROCESSABLE_ENTITY, "unknown-kind", "The method does not know this kind of garment")
+            }
+            Self::NoPixelCloth => {
+                (S::UNPROCESSABLE_ENTITY, "no-pixel-cloth", "There is no pixel-cloth network of this garment")
             }
             Self::MeasurementOutOfRange => {
                 (S::UNPROCESSABLE_ENTITY, "measurement-out-of-range", "A measurement is out of range")

@@ -4,6 +4,7 @@ mod answers;
 mod assets;
 mod bakes;
 mod cli;
+mod cloth_png;
 mod domain_errors;
 mod draping;
 mod errors;

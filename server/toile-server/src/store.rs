@@ -8,6 +8,7 @@ use sqlx::Row;
 use sqlx::migrate::Migrator;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteRow};
 use thiserror::Error;
+use toile_drape::hero::{self, Hero};
 use toile_drape::outfit::{Outfit, Report};
 use tokio::sync::Mutex;
 
@@ -50,6 +51,9 @@ pub struct GarmentSummary {
     pub triangles: usize,
     /// 0 is next to the skin.
     pub layer: u32,
+    /// Whether there is a pixel-cloth network of it.
+    #[serde(default)]
+    pub pixel_cloth: bool,
 }
 
 /// Counts of an outfit.
@@ -64,9 +68,11 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Counts of `outfit`.
-    pub fn of(outfit: &Outfit) -> Self {
-        let garments = outfit.garments.iter().map(|garment| GarmentSummary {
+    /// Counts of `outfit`, and which of its garments are `heroes`.
+    pub fn of(outfit: &Outfit, heroes: &[Hero]) -> Self {
+        let known = hero::known(heroes, outfit);
+        let garments = outfit.garments.iter().zip(known).map(|(garment, pixel_cloth)| GarmentSummary {
+            pixel_cloth,
             name: garment.name.clone(),
             vertices: garment.vertices.len(),
             triangles: garment.triangles().len(),

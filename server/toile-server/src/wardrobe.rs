@@ -7,6 +7,7 @@ use std::time::Instant;
 use bytes::Bytes;
 use moka::future::Cache;
 use moka::policy::EvictionPolicy;
+use toile_drape::hero::Hero;
 use toile_drape::network::Networks;
 use toile_drape::outfit::{Outfit, Report};
 use toile_drape::static_pass::StaticPass;
@@ -257,7 +258,7 @@ impl Wardrobe {
             static_files::save(&data.static_pass(&key), &key, &outfit, &statics);
             stages.add_since("static", started, Some(Source::Computed.name()));
             let kinds = upload.metadata.kinds.clone();
-            let new = new_outfit(id, upload, &outfit, report);
+            let new = new_outfit(id, upload, &outfit, &assets.studio.heroes, report);
             Ok::<_, ApiError>((new, Prepared::new(outfit, statics, kinds), stages))
         };
         let (new, prepared, stages) = self.workers.run(prepare).await??;
@@ -329,6 +330,6 @@ fn compute(
     Ok(statics)
 }
 
-fn new_outfit(id: String, upload: Upload, outfit: &Outfit, report: Report) -> NewOutfit {
-    NewOutfit { id, name: outfit.name.clone(), upload, summary: Summary::of(outfit), report }
+fn new_outfit(id: String, upload: Upload, outfit: &Outfit, heroes: &[Hero], report: Report) -> NewOutfit {
+    NewOutfit { id, name: outfit.name.clone(), upload, summary: Summary::of(outfit, heroes), report }
 }

@@ -77,7 +77,7 @@ pub fn static_pass(
     if rows.len() != nodes || basis.values.len() != nodes * 3 * BASIS {
         let (expected, found) =
             (nodes * (GARMENT_JOINTS + 3 * BASIS), weights.values.len() + basis.values.len());
-        return Err(DrapeError::Answer { graph: "deepsd/static", expected, found });
+        return Err(DrapeError::Answer { graph: "deepsd/static".to_owned(), expected, found });
     }
     let (joints, weights) = largest_influences(&vertex_weights(&rows, &graph.vertex_from_node));
     let (prior_joints, prior_weights) = largest_influences(&vertex_weights(&prior, &graph.vertex_from_node));
@@ -118,7 +118,11 @@ fn run_static(
     }
     let answer = networks.run("deepsd/static", &inputs)?;
     let found = answer.len();
-    answer.try_into().map_err(|_| DrapeError::Answer { graph: "deepsd/static", expected: 3, found })
+    answer.try_into().map_err(|_| DrapeError::Answer {
+        graph: "deepsd/static".to_owned(),
+        expected: 3,
+        found,
+    })
 }
 
 /// Basis (nodes, 3, BASIS) as (BASIS, 3 x nodes), the layout of the dynamic product.
@@ -137,12 +141,12 @@ fn rows_of_basis(nodes: &[f32]) -> Vec<f32> {
 ///
 /// # Errors
 /// When the network answered something else.
-pub fn only(graph: &'static str, answer: Vec<Tensor>, expected: usize) -> Result<Vec<f32>, DrapeError> {
+pub fn only(graph: &str, answer: Vec<Tensor>, expected: usize) -> Result<Vec<f32>, DrapeError> {
     let values = answer.into_iter().next().map(|t| t.values).unwrap_or_default();
     if values.len() == expected {
         return Ok(values);
     }
-    Err(DrapeError::Answer { graph, expected, found: values.len() })
+    Err(DrapeError::Answer { graph: graph.to_owned(), expected, found: values.len() })
 }
 
 /// Pose features of one frame, zero in the A-pose: for each joint its rotation relative to its parent minus

@@ -4,6 +4,7 @@ pub mod deepsd;
 pub mod deepsd_concat;
 pub mod garnet;
 mod kinds;
+pub mod pixel_cloth;
 pub mod skinning;
 
 use std::fmt;
@@ -11,10 +12,12 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use toile_geometry::body::BodyShape;
+use toile_geometry::body::{Body, BodyShape, ShapedBody};
+use toile_geometry::pose::Pose;
 
 use crate::error::DrapeError;
 use crate::garnet_tables::SeenPoints;
+use crate::hero::Hero;
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
@@ -32,13 +35,16 @@ pub enum MethodKind {
     DeepsdConcat,
     /// `GarNet++`: a network of every kind of garment, which sees the body as points.
     Garnet,
+    /// Pixel-based cloth: a network of one garment, which draws it as images.
+    PixelCloth,
     /// Linear blend skinning with the body's own weights.
     Skinning,
 }
 
 impl MethodKind {
     /// Every method, in the order of the API.
-    pub const ALL: [Self; 4] = [Self::Deepsd, Self::DeepsdConcat, Self::Garnet, Self::Skinning];
+    pub const ALL: [Self; 5] =
+        [Self::Deepsd, Self::DeepsdConcat, Self::Garnet, Self::PixelCloth, Self::Skinning];
 
     /// The name in the API.
     #[must_use]
@@ -47,6 +53,7 @@ impl MethodKind {
             Self::Deepsd => "deepsd",
             Self::DeepsdConcat => "deepsd-concat",
             Self::Garnet => "garnet",
+            Self::PixelCloth => "pixel_cloth",
             Self::Skinning => "skinning",
         }
     }
@@ -58,6 +65,7 @@ impl MethodKind {
             Self::Deepsd => &deepsd::Deepsd,
             Self::DeepsdConcat => &deepsd_concat::DeepsdConcat,
             Self::Garnet => &garnet::Garnet,
+            Self::PixelCloth => &pixel_cloth::PixelCloth,
             Self::Skinning => &skinning::Skinning,
         }
     }
@@ -71,7 +79,7 @@ impl fmt::Display for MethodKind {
 
 /// No such method.
 #[derive(Debug, thiserror::Error)]
-#[error("there is no method {0:?}; use deepsd, deepsd-concat, garnet or skinning")]
+#[error("there is no method {0:?}; use deepsd, deepsd-concat, garnet, pixel_cloth or skinning")]
 pub struct UnknownMethod(String);
 
 impl FromStr for MethodKind {
@@ -94,6 +102,12 @@ pub struct Wearer<'a> {
     pub rest: &'a [Vec3],
     /// Shape of the body.
     pub shape: &'a BodyShape,
+    /// The body model.
+    pub body: &'a Body,
+    /// The body in the A-pose.
+    pub shaped: &'a ShapedBody,
+    /// One a frame.
+    pub poses: &'a [Pose],
     /// For each frame the garment joints' world-from-A-pose transforms.
     pub transforms: &'a [Vec<Affine3A>],
     /// Parents of the garment joints.
@@ -102,6 +116,8 @@ pub struct Wearer<'a> {
     pub bodies: &'a [Arc<PosedBody>],
     /// Points of it that networks see.
     pub seen: &'a SeenPoints,
+    /// Garments that have a pixel-cloth network.
+    pub heroes: &'a [Hero],
 }
 
 /// Where a method puts the cloth, before it is turned into world positions in one place
@@ -119,6 +135,26 @@ pub enum Placement<'a> {
     },
     /// World positions of every frame, metres.
     World(Vec<Vec<Vec3>>),
+    /// The same, read from cloth images.
+    Pixels {
+        /// World positions of every frame, metres.
+        frames: Vec<Vec<Vec3>>,
+        /// Images of the first frame, one entry a garment.
+        first: Vec<ClothImages>,
+    },
+}
+
+/// What a pixel-cloth network says of a garment in one pose.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClothImages {
+    /// Name of the garment.
+    pub garment: String,
+    /// Pixels of a side.
+    pub side: usize,
+    /// Offsets along the pattern's u and v and off the skin, m: (panels, 3, side, side), row-major.
+    pub values: Vec<f32>,
+    /// Pixels on the cloth or its padding, (panels, side, side).
+    pub mask: Vec<bool>,
 }
 
 /// A way to drape.

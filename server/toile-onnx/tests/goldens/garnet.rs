@@ -12,7 +12,7 @@ use crate::support::{Golden, body, differences_about_means, motion, networks};
 #[test]
 fn what_it_sees_of_the_body_agrees_with_the_training_code() {
     let golden = Golden::read("garnet.safetensors");
-    let studio = Studio::new(body()).unwrap();
+    let studio = Studio::new(body(), Vec::new()).unwrap();
     let seen = &studio.seen;
     let set = |points: &[u32]| points.iter().copied().collect::<BTreeSet<_>>();
     // Rounding may decide which of two equally central points stands for a cell.
@@ -24,7 +24,7 @@ fn what_it_sees_of_the_body_agrees_with_the_training_code() {
 #[test]
 fn warped_and_draped_cloth_agree_with_the_training_code() {
     let golden = Golden::read("garnet.safetensors");
-    let studio = Studio::new(body()).unwrap();
+    let studio = Studio::new(body(), Vec::new()).unwrap();
     let mut networks = networks();
     let outfit = golden.outfit();
     let statics = studio.static_pass(&outfit, &BodyShape::default(), &mut networks).unwrap();

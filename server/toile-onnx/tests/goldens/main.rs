@@ -4,4 +4,5 @@
 
 mod deepsd;
 mod garnet;
+mod pixel_cloth;
 mod support;

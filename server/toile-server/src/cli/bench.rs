@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use toile_drape::hero;
 use toile_drape::methods::{GarmentKind, MethodKind};
 use toile_drape::network::Networks;
 use toile_onnx::OnnxNetworks;
@@ -61,7 +62,13 @@ impl Bench {
         let mut prepared = prepare(&path, &assets, &mut networks)?;
         let names = prepared.outfit.garments.iter().map(|garment| garment.name.clone());
         prepared.kinds = names.zip(self.kind.into_iter().cycle()).collect();
-        let methods = MethodKind::ALL.into_iter().filter(|m| *m != MethodKind::Garnet || self.kind.is_some());
+        let has_networks =
+            hero::known(&assets.studio.heroes, &prepared.outfit).into_iter().all(|known| known);
+        let methods = MethodKind::ALL.into_iter().filter(|method| match method {
+            MethodKind::Garnet => self.kind.is_some(),
+            MethodKind::PixelCloth => has_networks,
+            _ => true,
+        });
         let mut columns = Vec::new();
         for method in methods {
             eprintln!("measuring {method} …");

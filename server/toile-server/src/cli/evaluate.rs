@@ -27,7 +27,7 @@ pub struct Evaluate {
     /// Bodies and poses [default: evaluation.json of the artifacts]
     #[arg(long, value_name = "FILE")]
     set: Option<PathBuf>,
-    /// deepsd, deepsd-concat, garnet or skinning
+    /// deepsd, deepsd-concat, garnet, pixel_cloth or skinning
     #[arg(long, default_value = "deepsd", value_name = "METHOD")]
     method: String,
     /// Kind of every garment, for garnet: tee, sweater, dress or jeans

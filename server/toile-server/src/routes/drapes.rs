@@ -7,12 +7,16 @@ use axum::Json;
 use axum::extract::{FromRequest, Path, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
 use serde::Serialize;
+use toile_drape::methods::ClothImages;
 use toile_drape::network::Networks;
 use toile_drape::pipeline::Quality;
 
 use super::App;
 use super::answer::{Etag, GLB, IMMUTABLE};
+use crate::assets::Assets;
+use crate::cloth_png;
 use crate::draping::{self, Draped};
 use crate::errors::{ApiError, Code};
 use crate::json::JsonBody;
@@ -46,12 +50,12 @@ pub async fn drape(State(app): State<App>, request: Request) -> Result<Response,
         timing.add_since("queue", queued, None);
         let draped = draping::drape(&assets, &prepared, &request, networks)?;
         draped.timing.stages().for_each(|(stage, milliseconds)| timing.add(stage, milliseconds));
-        let body = wants_json.then(|| measurements::view(&assets, &draped.motion.shape));
-        Ok::<_, ApiError>((draped, timing, body))
+        let extras = if wants_json { Some(Extras::of(&assets, &draped)?) } else { None };
+        Ok::<_, ApiError>((draped, timing, extras))
     };
-    let (draped, timing, body) = app.service.workers.run(work).await??;
-    match body {
-        Some(body) => json_answer(&app, draped, timing, body, method).await,
+    let (draped, timing, extras) = app.service.workers.run(work).await??;
+    match extras {
+        Some(extras) => json_answer(&app, draped, timing, extras, method).await,
         None => binary_answer(draped, timing),
     }
 }
@@ -63,6 +67,39 @@ fn binary_answer(draped: Draped, timing: ServerTiming) -> Result<Response, ApiEr
     Ok((timing, headers, draped.glb).into_response())
 }
 
+/// What the JSON answer tells beside the drape.
+struct Extras {
+    body: BodyView,
+    pictures: Vec<ClothPictures>,
+}
+
+/// A garment's cloth images as PNG.
+struct ClothPictures {
+    garment: String,
+    exact: Bytes,
+    preview: Bytes,
+}
+
+impl Extras {
+    fn of(assets: &Assets, draped: &Draped) -> Result<Self, ApiError> {
+        let picture = |cloth: &ClothImages| {
+            let exact = cloth_png::exact(cloth).map_err(ApiError::internal)?.into();
+            let preview = cloth_png::preview(cloth).map_err(ApiError::internal)?.into();
+            Ok(ClothPictures { garment: cloth.garment.clone(), exact, preview })
+        };
+        let pictures = draped.images.iter().map(picture).collect::<Result<_, ApiError>>()?;
+        Ok(Self { body: measurements::view(assets, &draped.motion.shape), pictures })
+    }
+}
+
+/// Where the cloth images of a garment are.
+#[derive(Serialize)]
+struct ClothView {
+    garment: String,
+    url: String,
+    preview: String,
+}
+
 /// The answer for those who want JSON.
 #[derive(Serialize)]
 struct DrapeView {
@@ -72,36 +109,60 @@ struct DrapeView {
     body: BodyView,
     quality: Quality,
     timing: ServerTiming,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    cloth: Vec<ClothView>,
 }
 
 async fn json_answer(
     app: &App,
     draped: Draped,
     timing: ServerTiming,
-    body: BodyView,
+    extras: Extras,
     method: String,
 ) -> Result<Response, ApiError> {
     let bytes = draped.glb.len();
     let id = app.service.answers.keep(draped.glb).await;
     let url = format!("/v1/drapes/{id}/drape.glb");
-    let view = DrapeView { url, bytes, method, body, quality: draped.quality, timing: timing.clone() };
+    let mut cloth = Vec::new();
+    for ClothPictures { garment, exact, preview } in extras.pictures {
+        let (exact, preview) =
+            (app.service.answers.keep(exact).await, app.service.answers.keep(preview).await);
+        let at = |id| format!("/v1/drapes/{id}/cloth.png");
+        cloth.push(ClothView { garment, url: at(exact), preview: at(preview) });
+    }
+    let (body, quality) = (extras.body, draped.quality);
+    let view = DrapeView { url, bytes, method, body, quality, timing: timing.clone(), cloth };
     Ok((timing, Json(view)).into_response())
 }
 
 /// `GET /v1/drapes/{id}/drape.glb`
-pub async fn kept(
+pub async fn kept(app: State<App>, id: Path<String>, headers: HeaderMap) -> Result<Response, ApiError> {
+    answer(app, id, &headers, GLB).await
+}
+
+/// `GET /v1/drapes/{id}/cloth.png`
+pub async fn kept_picture(
+    app: State<App>,
+    id: Path<String>,
+    headers: HeaderMap,
+) -> Result<Response, ApiError> {
+    answer(app, id, &headers, HeaderValue::from_static("image/png")).await
+}
+
+async fn answer(
     State(app): State<App>,
     Path(id): Path<String>,
-    headers: HeaderMap,
+    headers: &HeaderMap,
+    media_type: HeaderValue,
 ) -> Result<Response, ApiError> {
     let expired =
         || ApiError::new(Code::DrapeExpired, "The drape is no longer kept; post the request again.");
-    let glb = app.service.answers.get(&id).await.ok_or_else(expired)?;
+    let bytes = app.service.answers.get(&id).await.ok_or_else(expired)?;
     let etag = Etag::new(&id).ok_or_else(|| ApiError::internal("entity tag"))?;
-    if etag.is_known(&headers) {
+    if etag.is_known(headers) {
         return Ok(etag.not_modified(IMMUTABLE));
     }
-    Ok(etag.answer(GLB, IMMUTABLE, glb))
+    Ok(etag.answer(media_type, IMMUTABLE, bytes))
 }
 
 /// Whichever of the two media types `Accept` names first; a GLB when it names neither.

@@ -94,6 +94,7 @@ pub fn router(app: App, web: Option<&Path>, body_read: Duration) -> Router {
         .route("/v1/motions", get(poses::motions))
         .route("/v1/drapes", post(drapes::drape))
         .route("/v1/drapes/{id}/drape.glb", get(drapes::kept))
+        .route("/v1/drapes/{id}/cloth.png", get(drapes::kept_picture))
         .route("/v1", axum::routing::any(nothing_here))
         .route("/v1/", axum::routing::any(nothing_here))
         .route("/v1/{*rest}", axum::routing::any(nothing_here))

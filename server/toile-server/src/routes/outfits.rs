@@ -79,11 +79,17 @@ impl OutfitView {
     }
 }
 
-/// The methods that drape an outfit as it is: `garnet` where the kind of every garment was stated.
+/// The methods that drape an outfit as it is: `garnet` where the kind of every garment was stated, `pixel_cloth` where
+/// every garment has a network.
 fn methods(outfit: &NewOutfit) -> Vec<String> {
     let kinds = &outfit.upload.metadata.kinds;
     let is_known = outfit.summary.garments.iter().all(|garment| kinds.contains_key(&garment.name));
-    let able = MethodKind::ALL.into_iter().filter(|method| *method != MethodKind::Garnet || is_known);
+    let has_networks = outfit.summary.garments.iter().all(|garment| garment.pixel_cloth);
+    let able = MethodKind::ALL.into_iter().filter(|method| match method {
+        MethodKind::Garnet => is_known,
+        MethodKind::PixelCloth => has_networks,
+        _ => true,
+    });
     able.map(|method| method.to_string()).collect()
 }
 

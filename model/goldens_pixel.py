@@ -1,0 +1,53 @@
+"""Golden vectors of pixel cloth that the Rust tests replay: `python -m goldens_pixel`.
+
+The T-shirt on one body in two preset poses: what the network sees of them and posed vertices (before the resolve) by
+the exported network, all computed here, into artifacts/golden/pixel_cloth.safetensors.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import torch
+from safetensors.numpy import save_file
+
+from body.anny_body import AnnyBody
+from export import ARTIFACTS, run_onnx
+from export_pixel import METHOD, NAME
+from goldens_deepsd import POSES, SHAPE, reference_entry, small_bank
+from nets.pixel_cloth import at_sites, vertices
+from pixel_data import shirt
+from pixel_poses import LEGS, pose_matrices
+from pixel_scenes import Garment
+from training_data import Sample, ShapedPoses
+
+OUT = ARTIFACTS / "golden" / f"{METHOD}.safetensors"
+
+
+def tensors(sample: Sample, entry: ShapedPoses) -> dict[str, np.ndarray]:
+    garment = Garment.of(sample)
+    pose = pose_matrices(entry.transforms)
+    images = [run_onnx(ARTIFACTS / METHOD / f"{NAME}.onnx", {"pose": p[None].numpy()})[0] for p in pose]
+    offsets = at_sites(torch.as_tensor(np.concatenate(images)), garment.pixel_of_site, garment.pixel_weight)
+    places, axes = garment.frames.places(entry.vertices), garment.frames.axes(entry.vertices, entry.normals)
+    cloth = lambda offsets: vertices(offsets, places, axes, garment.vertex, garment.share).numpy()  # noqa: E731
+    return {
+        "vertices": sample.vertices.numpy(), "triangles": sample.tables[2].numpy().astype(np.uint32),
+        "pose": pose.numpy(), "tight": cloth(torch.zeros_like(offsets)), "posed": cloth(offsets),
+    }  # fmt: skip
+
+
+def main() -> None:
+    body = AnnyBody.load()
+    data = tensors(shirt(), reference_entry(body, small_bank(body), LEGS))
+    save_file(
+        {k: np.ascontiguousarray(v) for k, v in data.items()},
+        OUT,
+        {"poses": json.dumps(POSES), "shape": json.dumps(SHAPE)},
+    )
+    print({k: v.shape for k, v in data.items()})
+
+
+if __name__ == "__main__":
+    main()
