@@ -142,6 +142,30 @@ test("a network of their kinds drapes garments whose kinds are known", async () 
   assert.ok(await room.page.isChecked('[name="method"][value="deepsd"]'));
 });
 
+test("pixel cloth shows its images beside the cloth, and they move with the pose", async () => {
+  const pixel = room.page.locator('[name="method"][value="pixel_cloth"]');
+  assert.ok(await pixel.isDisabled(), "another outfit has no network");
+  const worn = (await room.stats()).outfit;
+  await room.tab("outfits");
+  await room.change(() => room.page.locator("[data-outfit]", { hasText: "Hero T-shirt" }).click());
+  await room.tab("insight");
+  await room.change(() => pixel.check());
+  const image = room.page.locator(".stage__cloth img");
+  const drawn = () => image.evaluate(async (i) => (await i.decode(), [i.naturalWidth, i.naturalHeight]));
+  assert.deepEqual(await drawn(), [512, 256]);
+  const before = await image.getAttribute("src");
+  await room.tab("pose");
+  await room.change(() => room.page.click('[data-pose="arms-up"]'));
+  assert.notEqual(await image.getAttribute("src"), before);
+  assert.deepEqual(await drawn(), [512, 256]);
+  await room.screenshot("pixel_cloth");
+  await room.tab("outfits");
+  await room.change(() => room.page.locator(`[data-outfit="${worn}"]`).click());
+  assert.equal(await image.count(), 0);
+  await room.tab("pose");
+  await room.change(() => room.page.click('[data-pose="a-pose"]'));
+});
+
 test("a colour tints the cloth without asking the service", async () => {
   await room.tab("fabric");
   const { drapes } = await room.stats();

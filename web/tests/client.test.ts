@@ -31,6 +31,17 @@ describe("ToileApi", () => {
     expect(fetch.mock.calls[0]?.[0]).toBe("http://shop.example/v1/drapes");
   });
 
+  it("asks for cloth images with pixel cloth and fetches the drape from where it is kept", async () => {
+    const cloth = [{ garment: "tee", url: "/v1/drapes/a/cloth.png", preview: "/v1/drapes/b/cloth.png" }];
+    const kept = { url: "/v1/drapes/c/drape.glb", quality: { p95_edge_strain: 0.1 }, cloth };
+    const fetch = answers(new Response(JSON.stringify(kept)), new Response(new Uint8Array(5)));
+    const drape = await new ToileApi("http://shop.example").drape({ outfit: "abc", output: { include: ["outfit"], method: "pixel_cloth" } });
+    expect(drape.glb.byteLength).toBe(5);
+    expect(drape.quality?.p95_edge_strain).toBe(0.1);
+    expect(drape.cloth[0]?.preview).toBe("http://shop.example/v1/drapes/b/cloth.png");
+    expect(fetch.mock.calls[1]?.[0]).toBe("http://shop.example/v1/drapes/c/drape.glb");
+  });
+
   it("throws the service's problem with the field that it points to", async () => {
     answers(problem(422, { title: "Out of range", detail: "Too tall", code: "measurement-out-of-range", pointer: "/measurements/height" }));
     const error = await new ToileApi().solveBody({ measurements: { height: 300 } }).catch((reason: unknown) => reason);

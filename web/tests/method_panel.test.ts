@@ -57,3 +57,15 @@ it("goes back to DeePSD where a kind is taken away, or another outfit has none",
   expect(input(panel, "deepsd").checked).toBe(true);
   expect(panel.showOutfit(outfit()).method).toBe("deepsd");
 });
+
+it("offers pixel cloth where the outfit's garments have a network", () => {
+  const chosen = vi.fn();
+  const panel = new MethodPanel(chosen);
+  panel.showOutfit(outfit());
+  expect(input(panel, "pixel_cloth").disabled).toBe(true);
+  panel.showOutfit({ ...outfit(), methods: ["deepsd", "pixel_cloth"] });
+  expect(input(panel, "pixel_cloth").disabled).toBe(false);
+  choose(panel, "pixel_cloth");
+  expect(chosen).toHaveBeenLastCalledWith({ method: "pixel_cloth", kinds: {} });
+  expect(panel.showOutfit(outfit()).method).toBe("deepsd");
+});

@@ -3,6 +3,7 @@ import { parseServerTiming, type Stage } from "./server_timing";
 import type {
   BodyParameters,
   BodyRequest,
+  ClothPicture,
   DrapeRequest,
   MotionPreset,
   Outfit,
@@ -17,9 +18,20 @@ export interface Drape {
   glb: ArrayBuffer;
   stages: Stage[];
   quality: Quality | undefined;
+  /** Cloth images of the method that has them. */
+  cloth: ClothPicture[];
   /** Milliseconds from sending the request to having all bytes. */
   roundTrip: number;
 }
+
+/** A drape that the service keeps at a path. */
+interface KeptDrape {
+  url: string;
+  quality: Quality;
+  cloth?: ClothPicture[];
+}
+
+type Received = Pick<Drape, "glb" | "quality" | "cloth">;
 
 const OVERLOAD_RETRIES = 3;
 
@@ -67,14 +79,19 @@ export class ToileApi {
 
   async drape(request: DrapeRequest, signal?: AbortSignal): Promise<Drape> {
     const started = performance.now();
-    const init = jsonPost(request, signal, "model/gltf-binary");
+    // Cloth images come with JSON answers alone.
+    const drawn = request.output?.method === "pixel_cloth";
+    const init = jsonPost(request, signal, drawn ? "application/json" : "model/gltf-binary");
     const answer = await this.sendPatiently("/v1/drapes", init);
-    return {
-      glb: await answer.arrayBuffer(),
-      stages: parseServerTiming(answer.headers.get("Server-Timing")),
-      quality: parseQuality(answer.headers.get("X-Toile-Quality")),
-      roundTrip: performance.now() - started,
-    };
+    const drape = drawn ? await this.kept((await answer.json()) as KeptDrape, signal) : await received(answer);
+    const stages = parseServerTiming(answer.headers.get("Server-Timing"));
+    return { ...drape, stages, roundTrip: performance.now() - started };
+  }
+
+  private async kept({ url, quality, cloth = [] }: KeptDrape, signal?: AbortSignal): Promise<Received> {
+    const at = (path: string): string => this.url(path);
+    const pictures = cloth.map((picture) => ({ ...picture, url: at(picture.url), preview: at(picture.preview) }));
+    return { glb: await this.bytes(url, signal), quality, cloth: pictures };
   }
 
   private async json<T>(path: string, signal?: AbortSignal): Promise<T> {
@@ -105,6 +122,10 @@ export class ToileApi {
     if (!answer.ok) throw problemFrom(answer.status, await answer.text(), answer.headers.get("Retry-After"));
     return answer;
   }
+}
+
+async function received(answer: Response): Promise<Received> {
+  return { glb: await answer.arrayBuffer(), quality: parseQuality(answer.headers.get("X-Toile-Quality")), cloth: [] };
 }
 
 function jsonPost(body: unknown, signal?: AbortSignal, accept = "application/json"): RequestInit {

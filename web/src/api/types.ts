@@ -1,6 +1,6 @@
 /** Wire types of the HTTP API (docs/api.md). Centimetres and kilograms in measurements, metres elsewhere. */
 
-export type Method = "deepsd" | "deepsd-concat" | "garnet" | "skinning";
+export type Method = "deepsd" | "deepsd-concat" | "garnet" | "pixel_cloth" | "skinning";
 /** Kinds of garments that GarNet++ is trained on. */
 export type GarmentKind = "tee" | "sweater" | "dress" | "jeans";
 /** Kinds by the garments' names. */
@@ -29,6 +29,13 @@ export interface MendingReport {
   rest_penetration_percent: number;
   self_crossed_percent: number;
   notes: string[];
+}
+
+/** What a pixel-cloth network said of a garment: PNGs at paths of the API. */
+export interface ClothPicture {
+  garment: string;
+  url: string;
+  preview: string;
 }
 
 export interface Outfit {

@@ -4,6 +4,7 @@ import { make } from "./dom";
 const METHODS: readonly { id: Method; name: string; text: string }[] = [
   { id: "deepsd", name: "DeePSD", text: "Learned folds, in real time, for any garment." },
   { id: "garnet", name: "GarNet++", text: "A network for one kind of garment, which sees the body as points." },
+  { id: "pixel_cloth", name: "Pixel cloth", text: "A network of this very garment, which draws its folds as images." },
   { id: "deepsd-concat", name: "DeePSD, as printed", text: "The paper's per-vertex network. Slower; for comparison." },
   { id: "skinning", name: "Skinning only", text: "Follows the bones; nothing learned." },
 ];
@@ -21,12 +22,13 @@ export interface MethodChoice {
   kinds: Kinds;
 }
 
-/** The way to drape. GarNet++ can be chosen once the kind of every garment is known. */
+/** The way to drape. GarNet++ can be chosen once the kind of every garment is known, pixel cloth where it was trained. */
 export class MethodPanel {
   readonly element: HTMLElement;
   private readonly inputs = new Map<Method, HTMLInputElement>();
   private readonly kindRows = make("div", { className: "kinds" });
   private garments: readonly Garment[] = [];
+  private hasNetwork = false;
   private choice: MethodChoice = { method: "deepsd", kinds: {} };
 
   constructor(private readonly onChoose: (choice: MethodChoice) => void) {
@@ -37,6 +39,7 @@ export class MethodPanel {
   /** Offers what can drape the outfit, and returns what is chosen for it. */
   showOutfit(outfit: Outfit): MethodChoice {
     this.garments = outfit.garments;
+    this.hasNetwork = outfit.methods.includes("pixel_cloth");
     this.choice = { ...this.choice, kinds: { ...outfit.kinds } };
     this.kindRows.replaceChildren(...outfit.garments.map((garment) => this.kindRow(garment)));
     this.refresh();
@@ -75,12 +78,13 @@ export class MethodPanel {
     this.onChoose(this.choice);
   }
 
-  /** GarNet++ needs a kind of every garment; without, DeePSD takes its place. */
+  /** GarNet++ needs a kind of every garment, pixel cloth a network of it; without, DeePSD takes their place. */
   private refresh(): void {
     const known = this.garments.every(({ name }) => this.choice.kinds[name] !== undefined);
-    if (!known && this.choice.method === "garnet") this.choice = { ...this.choice, method: "deepsd" };
+    const able = (method: Method): boolean => (method === "garnet" ? known : method !== "pixel_cloth" || this.hasNetwork);
+    if (!able(this.choice.method)) this.choice = { ...this.choice, method: "deepsd" };
     for (const [method, input] of this.inputs) {
-      input.disabled = method === "garnet" && !known;
+      input.disabled = !able(method);
       input.checked = method === this.choice.method;
     }
   }

@@ -1,5 +1,5 @@
 import type { Problem } from "../api/problem";
-import type { Outfit } from "../api/types";
+import type { ClothPicture, Outfit } from "../api/types";
 import type { View } from "../viewer/camera_rig";
 import type { DrapeDetail } from "../viewer/events";
 import { make } from "./dom";
@@ -27,6 +27,7 @@ export class StageOverlay {
   private readonly loading = make("p", { className: "stage__loading", role: "status", hidden: true }, make("span", { className: "spinner" }), "Draping…");
   private readonly notice = make("div", { className: "stage__notice", role: "alert", hidden: true });
   private readonly legend = make("div", { className: "stage__legend" });
+  private readonly cloth = make("div", { className: "stage__cloth" });
   private readonly speed: HTMLButtonElement;
   private readonly blank = make("div", { className: "stage__blank", hidden: true }, make("p", { textContent: "Choose an outfit to see it worn." }));
 
@@ -40,6 +41,7 @@ export class StageOverlay {
       this.blank,
       this.loading,
       this.legend,
+      this.cloth,
       this.speed,
       this.notice,
     ];
@@ -49,7 +51,9 @@ export class StageOverlay {
     this.title.textContent = outfit?.name ?? "";
     this.subtitle.textContent = outfit ? garmentNames(outfit) : "";
     this.blank.hidden = outfit !== undefined;
-    if (!outfit) this.speed.hidden = true;
+    if (outfit) return;
+    this.speed.hidden = true;
+    this.cloth.replaceChildren();
   }
 
   showLoading(busy: boolean, first: boolean): void {
@@ -63,6 +67,7 @@ export class StageOverlay {
     this.speed.hidden = time <= 0;
     this.speed.textContent = `Draped in ${milliseconds(time)}`;
     this.legend.replaceChildren(...(detail.heat ? [heatLegend(detail.heat)] : []));
+    this.cloth.replaceChildren(...detail.cloth.map(clothPicture));
   }
 
   showProblem(problem: Problem | undefined): void {
@@ -72,6 +77,13 @@ export class StageOverlay {
     const words = make("div", {}, make("strong", { textContent: problem.title }), make("p", { textContent: problem.detail }));
     this.notice.replaceChildren(words, retry);
   }
+}
+
+/** A garment's cloth image beside the cloth. */
+function clothPicture({ garment, url, preview }: ClothPicture): HTMLElement {
+  const image = make("img", { src: preview, alt: `Cloth image of ${garment}`, width: 256, height: 128 });
+  const words = make("figcaption", { textContent: "Cloth image: offsets along u, v and off the skin" });
+  return make("a", { href: url, target: "_blank", title: "All 16 bits" }, make("figure", {}, image, words));
 }
 
 /** The garments' names, unless they only repeat the outfit's own. */

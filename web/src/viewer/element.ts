@@ -233,6 +233,7 @@ export class ToileViewer extends HTMLElement {
       stages: drape.stages,
       quality: drape.quality,
       heat: this.heatSummary,
+      cloth: drape.cloth,
       garments: this.stage?.figure?.garments ?? [],
     };
     this.emit("toile-drape", detail);

@@ -1,6 +1,6 @@
 import type { Problem } from "../api/problem";
 import type { Stage as TimedStage } from "../api/server_timing";
-import type { Quality } from "../api/types";
+import type { ClothPicture, Quality } from "../api/types";
 import type { HeatSummary } from "./heat_map";
 import type { PlaybackState } from "./playback";
 
@@ -12,6 +12,8 @@ export interface DrapeDetail {
   stages: TimedStage[];
   quality: Quality | undefined;
   heat: HeatSummary | undefined;
+  /** Cloth images of the method that has them. */
+  cloth: ClothPicture[];
   garments: { name: string; color: string }[];
   /** True where the vertex buffers were written in place. */
   inPlace: boolean;
