@@ -2,7 +2,8 @@
 
 The T-shirt of the method (Jin et al. 2020, section 6.1): stretch of its panels, how far its vertices are from
 where its images say they are, which no network can undo, and how even it lies on the skin. Values: places on the
-reference body, and folds.
+reference body, and folds. Where drapes have been made (`pixel_data`) and networks trained (`train_pixel`), their tables
+too.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from outfits.body_fields import body_fields
 from outfits.garnet_garments import garnet_garment
 from outfits.mesh import GarmentMesh
 from outfits.panels import front_and_back
+from pixel_data import files
+from pixel_tables import tables
 
 #: Vertices per square metre: 2.7 thousand vertices.
 DENSITY = 3000
@@ -61,6 +64,8 @@ def main() -> None:
         off = 1e3 * np.linalg.norm(back - values, axis=1)
         print(f"| {name} | {off.mean():.2f} | {np.percentile(off, 99):.2f} | {off.max():.2f} |")
     print(f"\n{wrapping(garment)}")
+    if next(files()).exists():
+        tables()
 
 
 if __name__ == "__main__":

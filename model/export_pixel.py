@@ -17,9 +17,11 @@ from torch import Tensor, nn
 from export import ARTIFACTS, GraphSpec, Port, export_method
 from garment.binding import garment_joint_names
 from nets.pixel_cloth import PixelCloth
-from pixel_data import shirt
+from pixel_data import load, shirt
+from pixel_filter import Filter
 from pixel_poses import JOINTS, POSE
 from pixel_scenes import Garment, mask
+from pixel_tables import filter_of
 from train_pixel import checkpoint, network
 from training_data import Sample
 
@@ -43,13 +45,17 @@ def spec(net: PixelCloth) -> GraphSpec:
     return GraphSpec(METHOD, NAME, ExportedPixelCloth(net), [Port("pose", (1, POSE), "1", "joint")], [images])
 
 
-def tables(sample: Sample, garment: Garment) -> dict[str, np.ndarray]:
-    """N vertices, Q sites, as of `Garment`; joints (10, 2) of the pose, -1 for the world; mask (K, side, side)."""
+def tables(sample: Sample, garment: Garment, smooth: Filter) -> dict[str, np.ndarray]:
+    """N vertices, Q sites, as of `Garment`; joints (10, 2) of the pose, -1 for the world; mask (K, side, side).
+
+    The filter: mean offsets (Q, 3) and components (C, 3 Q).
+    """
     names = garment_joint_names()
     number = lambda name: -1 if name is None else names.index(name)  # noqa: E731
     floats = {
         "rest": sample.vertices, "share": garment.share, "corner_weight": garment.frames.weight,
         "along": garment.frames.along, "pixel_weight": garment.pixel_weight,
+        "filter_mean": smooth.mean, "filter": smooth.components,
     }  # fmt: skip
     indices = {
         "vertex": garment.vertex, "corner": garment.frames.corners, "around": garment.frames.around,
@@ -71,8 +77,11 @@ def main() -> None:
     garment = Garment.of(sample)
     net = network(garment)
     net.load_state_dict(torch.load(path))
+    smooth = filter_of(net.eval(), garment, {split: load(split) for split in ("train", "validation")})
     export_method(METHOD, [spec(net)], a.out)
-    save_file(tables(sample, garment), a.out / METHOD / f"{NAME}.safetensors")
+    # Written as it lies in memory, whatever the strides.
+    data = {name: np.ascontiguousarray(x) for name, x in tables(sample, garment, smooth).items()}
+    save_file(data, a.out / METHOD / f"{NAME}.safetensors")
 
 
 if __name__ == "__main__":

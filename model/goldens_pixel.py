@@ -10,7 +10,7 @@ import json
 
 import numpy as np
 import torch
-from safetensors.numpy import save_file
+from safetensors.numpy import load_file, save_file
 
 from body.anny_body import AnnyBody
 from export import ARTIFACTS, run_onnx
@@ -18,6 +18,7 @@ from export_pixel import METHOD, NAME
 from goldens_deepsd import POSES, SHAPE, reference_entry, small_bank
 from nets.pixel_cloth import at_sites, vertices
 from pixel_data import shirt
+from pixel_filter import Filter
 from pixel_poses import LEGS, pose_matrices
 from pixel_scenes import Garment
 from training_data import Sample, ShapedPoses
@@ -30,6 +31,8 @@ def tensors(sample: Sample, entry: ShapedPoses) -> dict[str, np.ndarray]:
     pose = pose_matrices(entry.transforms)
     images = [run_onnx(ARTIFACTS / METHOD / f"{NAME}.onnx", {"pose": p[None].numpy()})[0] for p in pose]
     offsets = at_sites(torch.as_tensor(np.concatenate(images)), garment.pixel_of_site, garment.pixel_weight)
+    kept = {k: torch.as_tensor(v) for k, v in load_file(ARTIFACTS / METHOD / f"{NAME}.safetensors").items()}
+    offsets = Filter(kept["filter_mean"], kept["filter"]).apply(offsets)
     places, axes = garment.frames.places(entry.vertices), garment.frames.axes(entry.vertices, entry.normals)
     cloth = lambda offsets: vertices(offsets, places, axes, garment.vertex, garment.share).numpy()  # noqa: E731
     return {

@@ -52,7 +52,7 @@ pub struct GarmentSummary {
     /// 0 is next to the skin.
     pub layer: u32,
     /// Whether there is a pixel-cloth network of it.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub pixel_cloth: bool,
 }
 

@@ -25,7 +25,7 @@ fn names(list: &[Value]) -> Vec<Value> {
 fn artifacts_with_gallery(folder: &Path, exhibits: &[(&str, f32)]) {
     let (artifacts, gallery) = (repository().join("model/artifacts"), folder.join("gallery"));
     if !gallery.exists() {
-        for entry in ["body.safetensors", "poses.json", "deepsd", "deepsd-concat", "garnet"] {
+        for entry in ["body.safetensors", "poses.json", "deepsd", "deepsd-concat", "garnet", "pixel_cloth"] {
             std::os::unix::fs::symlink(artifacts.join(entry), folder.join(entry)).unwrap();
         }
         std::fs::create_dir(&gallery).unwrap();

@@ -13,4 +13,5 @@ mod gallery;
 mod garnet;
 mod outfits;
 mod persistence;
+mod pixel_cloth;
 mod service;

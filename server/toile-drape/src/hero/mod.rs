@@ -3,10 +3,11 @@
 //! Sites are the vertices of a garment's panels in pattern space; a vertex on a seam is a site of each panel. The same
 //! tables are made in `model/garment/local_frames.py` and `model/garment/cloth_image.py`; `model/export_pixel.py` writes them.
 
+mod tables;
+
 use std::collections::HashMap;
 
 use glam::{Affine3A, Mat3, Vec3};
-use safetensors::tensor::{Dtype, SafeTensors};
 
 use crate::error::DrapeError;
 use crate::outfit::{Garment, Outfit};
@@ -33,6 +34,29 @@ pub struct Hero {
     /// The joints whose turns the network sees, each against another one or the world.
     joints: Vec<(Option<usize>, usize)>,
     sites: Vec<Site>,
+    filter: Filter,
+}
+
+/// Offsets of training's drapes by their principal components, the largest first (section 8.3): what a network says
+/// beyond them is noise.
+#[derive(Debug)]
+struct Filter {
+    /// One a site, m.
+    mean: Vec<Vec3>,
+    /// Components one after the other, one vector a site each, orthonormal.
+    components: Vec<Vec3>,
+}
+
+impl Filter {
+    fn apply(&self, offsets: &mut [Vec3]) {
+        offsets.iter_mut().zip(&self.mean).for_each(|(o, mean)| *o -= *mean);
+        let mut out = self.mean.clone();
+        for component in self.components.chunks_exact(self.mean.len().max(1)) {
+            let amount: f32 = component.iter().zip(offsets.iter()).map(|(c, o)| c.dot(*o)).sum();
+            out.iter_mut().zip(component).for_each(|(o, c)| *o += *c * amount);
+        }
+        offsets.copy_from_slice(&out);
+    }
 }
 
 #[derive(Debug)]
@@ -48,61 +72,6 @@ struct Site {
 }
 
 impl Hero {
-    /// Reads the tables of `name` and checks that nothing points outside of them or of a body of `vertices`.
-    ///
-    /// # Errors
-    /// When the file is not such tables.
-    pub fn from_safetensors(name: &str, bytes: &[u8], vertices: usize) -> Result<Self, DrapeError> {
-        let file = Tables(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
-        let rest: Vec<Vec3> = file.floats::<3>("rest")?.into_iter().map(Vec3::from_array).collect();
-        let (images, side, mask) = file.mask()?;
-        let vertex = file.indices("vertex", rest.len())?;
-        let (corner, around) = (file.indices("corner", vertices)?, file.indices("around", vertex.len())?);
-        let (share, along) = (file.floats::<1>("share")?, file.floats::<1>("along")?);
-        let pixel = file.indices("pixel", mask.len())?;
-        let (corner_weight, pixel_weight) =
-            (file.floats::<3>("corner_weight")?, file.floats::<4>("pixel_weight")?);
-        let count = vertex.len();
-        let wide = along.len() / count.max(1);
-        let even = [corner.len() / 3, pixel.len() / 4, share.len(), corner_weight.len(), pixel_weight.len()];
-        if count == 0
-            || wide == 0
-            || along.len() != wide * count
-            || around.len() != along.len()
-            || even != [count; 5]
-        {
-            return Err(DrapeError::Stored(format!("the tables of {name} do not fit each other")));
-        }
-        let (corner, pixel) = (corner.as_chunks::<3>().0, pixel.as_chunks::<4>().0);
-        let mut sites = Vec::with_capacity(count);
-        let rows = around.chunks_exact(wide).zip(along.chunks_exact(wide));
-        for (k, (around, along)) in rows.enumerate() {
-            sites.push(Site {
-                vertex: vertex[k],
-                share: share[k][0],
-                corner: corner[k],
-                corner_weight: corner_weight[k],
-                along: around
-                    .iter()
-                    .copied()
-                    .zip(along.iter().map(|w| w[0]))
-                    .filter(|(_, w)| *w != 0.0)
-                    .collect(),
-                pixel: pixel[k],
-                pixel_weight: pixel_weight[k],
-            });
-        }
-        Ok(Self {
-            graph: format!("pixel_cloth/{name}"),
-            side,
-            images,
-            mask,
-            rest,
-            joints: file.joints()?,
-            sites,
-        })
-    }
-
     /// What the network sees of a pose: rotation matrices, row by row. Which way the body faces is left out.
     #[must_use]
     pub fn pose(&self, transforms: &[Affine3A]) -> Vec<f32> {
@@ -124,12 +93,13 @@ impl Hero {
             parts.map(|(&corner, weight)| of.get(corner).copied().unwrap_or_default() * weight).sum()
         };
         let places: Vec<Vec3> = self.sites.iter().map(|site| mixed(vertices, site)).collect();
+        let mut offsets: Vec<Vec3> = self.sites.iter().map(|site| self.offset(images, site)).collect();
+        self.filter.apply(&mut offsets);
         let mut out = vec![Vec3::ZERO; self.rest.len()];
-        for (site, place) in self.sites.iter().zip(&places) {
+        for ((site, place), offset) in self.sites.iter().zip(&places).zip(offsets) {
             let normal = mixed(normals, site).normalize_or_zero();
             let along: Vec3 = site.along.iter().map(|&(other, weight)| places[other] * weight).sum();
             let u = (along - normal * along.dot(normal)).normalize_or_zero();
-            let offset = self.offset(images, site);
             let world = *place + u * offset.x + normal.cross(u) * offset.y + normal * offset.z;
             out[site.vertex] += world * site.share;
         }
@@ -208,59 +178,4 @@ pub fn known(heroes: &[Hero], outfit: &Outfit) -> Vec<bool> {
 fn positions<'o>(outfit: &'o Outfit, garment: &Garment) -> &'o [Vec3] {
     let range = garment.vertices.start as usize..garment.vertices.end as usize;
     outfit.positions.get(range).unwrap_or_default()
-}
-
-struct Tables<'a>(SafeTensors<'a>);
-
-impl Tables<'_> {
-    fn data(&self, name: &str, dtype: Dtype) -> Result<(Vec<usize>, &[u8]), DrapeError> {
-        let tensor = self.0.tensor(name).map_err(|e| DrapeError::Stored(format!("{name}: {e}")))?;
-        if tensor.dtype() != dtype {
-            return Err(DrapeError::Stored(format!("{name} is {:?}, not {dtype:?}", tensor.dtype())));
-        }
-        let bytes = self.0.tensor(name).map(|t| t.data()).map_err(|e| DrapeError::Stored(e.to_string()))?;
-        Ok((tensor.shape().to_vec(), bytes))
-    }
-
-    fn floats<const N: usize>(&self, name: &str) -> Result<Vec<[f32; N]>, DrapeError> {
-        let (_, bytes) = self.data(name, Dtype::F32)?;
-        let values: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
-        if !values.len().is_multiple_of(N) || values.iter().any(|v| !v.is_finite()) {
-            return Err(DrapeError::Stored(format!("{name} does not hold rows of {N} finite numbers")));
-        }
-        Ok(values.as_chunks::<N>().0.to_vec())
-    }
-
-    fn integers(&self, name: &str) -> Result<Vec<i32>, DrapeError> {
-        let (_, bytes) = self.data(name, Dtype::I32)?;
-        Ok(bytes.as_chunks::<4>().0.iter().map(|b| i32::from_le_bytes(*b)).collect())
-    }
-
-    fn indices(&self, name: &str, limit: usize) -> Result<Vec<usize>, DrapeError> {
-        let outside = || DrapeError::Stored(format!("{name} points outside of its table"));
-        let inside = |i: i32| usize::try_from(i).ok().filter(|i| *i < limit).ok_or_else(outside);
-        self.integers(name)?.into_iter().map(inside).collect()
-    }
-
-    fn joints(&self) -> Result<Vec<(Option<usize>, usize)>, DrapeError> {
-        let pairs = self.integers("joints")?;
-        let (pairs, rest) = pairs.as_chunks::<2>();
-        let joint = |i: i32| usize::try_from(i).ok();
-        let known = pairs.iter().map(|[of, to]| Some((joint(*of), joint(*to)?))).collect::<Option<Vec<_>>>();
-        match known.filter(|pairs| rest.is_empty() && pairs.len() == JOINTS) {
-            Some(pairs) => Ok(pairs),
-            None => Err(DrapeError::Stored(format!("joints are not {JOINTS} pairs"))),
-        }
-    }
-
-    /// Images, pixels of their side, and the mask.
-    fn mask(&self) -> Result<(usize, usize, Vec<bool>), DrapeError> {
-        let (shape, bytes) = self.data("mask", Dtype::U8)?;
-        match *shape.as_slice() {
-            [images, side, across] if side == across && images > 0 && side > 0 => {
-                Ok((images, side, bytes.iter().map(|b| *b != 0).collect()))
-            }
-            _ => Err(DrapeError::Stored("mask is not (images, side, side)".to_owned())),
-        }
-    }
 }

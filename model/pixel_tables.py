@@ -1,0 +1,157 @@
+"""How near pixel cloth comes to drapes that it was not trained on, and how sharp it is, beside other ways to drape."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+import energies
+import garnet_losses
+import train_deepsd
+from fabric import Fabric
+from garment.rest_mesh import hinges, rest_mesh
+from nets.deepsd import Sizes
+from pixel_data import Drapes, in_poses, load, shirt
+from pixel_filter import Filter, offsets_of
+from pixel_scenes import Carrier, Garment, draped, scenes
+from relax import skinned
+from train_pixel import RUNS, Norm, answers, checkpoint, network
+from training_data import BodyBank, Sample
+
+#: The repository's DeePSD, by `python -m shipped`.
+SHIPPED = RUNS.parent / "shipped.pt"
+#: What is compared in section 8: name, loss, weight of the normals, carrier, patches.
+RUNS_OF_SECTION_8: tuple[tuple[str, Norm, float, Carrier, bool], ...] = (
+    ("L1 and normals (shipped)", "l1", 0.01, "reference", False),
+    ("L2 and normals", "l2", 0.01, "reference", False),
+    ("L1 alone", "l1", 0.0, "reference", False),
+    ("patches", "l1", 0.01, "reference", True),
+    ("too thin a body", "l1", 0.01, "thin", False),
+    ("too thick a body", "l1", 0.01, "thick", False),
+    ("rigid skinning", "l1", 0.01, "rigid", False),
+)
+
+
+def off(x: Tensor, truth: Tensor, triangles: Tensor) -> str:
+    """Mean distance, cm, and mean angle of the facets, degrees, as cells."""
+    error = 100 * (x - truth).norm(dim=-1).mean().item()
+    return f"{error:.3f} | {garnet_losses.normal_angle(x, truth, triangles).item():.1f}"
+
+
+def section_8(sample: Sample, sets: dict[str, Drapes]) -> None:
+    """Errors of every network that has been trained."""
+    print("| | train cm | degrees | validation cm | degrees | test cm | degrees |\n|---|---:|---:|---:|---:|---:|---:|")
+    for name, *run in RUNS_OF_SECTION_8:
+        if (path := checkpoint(*run)).exists():
+            garment, net = _trained(sample, path, run[3])
+            data = {k: scenes(garment, d, run[2]) for k, d in sets.items()}
+            cells = [off(answers(net, garment, s), s.truth, garment.triangles) for s in data.values()]
+            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+
+def sharpness(sample: Sample, sets: dict[str, Drapes]) -> None:
+    """Ways to drape the test's poses: error, and wrinkles as the drapes have them."""
+    drapes, mesh = sets["test"], rest_mesh(sample.vertices, sample.tables)
+    around = torch.as_tensor(garnet_losses.neighbourhoods(sample.vertices.numpy(), 16))
+    ways = {"skinning": _skinned(sample, drapes), "deepsd": _deepsd(sample, drapes)}
+    if (path := checkpoint("l1", 0.01, "reference", False)).exists():
+        garment, net = _trained(sample, path, False)
+        data = scenes(garment, drapes, "reference")
+        ways["pixel cloth before the filter"] = answers(net, garment, data)
+        smooth = filter_of(net, garment, sets)
+        offsets = smooth.apply(offsets_of(ways["pixel cloth before the filter"], garment, data))
+        ways[f"pixel_cloth, {len(smooth.components)} components"] = draped(offsets, garment, data)
+    print("| | error cm | degrees | bend of the drapes' % | curvature off (RQ, mm4) |\n|---|---:|---:|---:|---:|")
+    bend = lambda x: energies.bending(x, mesh, Fabric()).mean().item()  # noqa: E731
+    for name, x in ways.items():
+        rayleigh = 1e12 * garnet_losses.rayleigh_curvature(x, drapes.x, around).item()
+        cells = off(x, drapes.x, sample.tables[2])
+        print(f"| {name} | {cells} | {100 * bend(x) / bend(drapes.x):.0f} | {rayleigh:.0f} |", flush=True)
+
+
+def filter_of(net: torch.nn.Module, garment: Garment, sets: dict[str, Drapes]) -> Filter:
+    """The filter of a whole garment's network."""
+    data = {k: scenes(garment, sets[k], "reference") for k in ("train", "validation")}
+    offsets = offsets_of(answers(net, garment, data["validation"]), garment, data["validation"])
+    return Filter.of(data["train"]).chosen(offsets, garment, data["validation"])
+
+
+def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
+    """Patches before and after the filter, and how neighbours turn across their seams and elsewhere."""
+    if not (path := checkpoint("l1", 0.01, "reference", True)).exists():
+        return
+    garment, net = _trained(sample, path, True)
+    whole = Garment.of(sample)
+    said = {k: answers(net, garment, scenes(garment, d, "reference")) for k, d in sets.items() if k != "train"}
+    data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
+    offsets = {k: offsets_of(x, whole, data[k]) for k, x in said.items()}
+    smooth = Filter.of(data["train"]).chosen(offsets["validation"], whole, data["validation"])
+    filtered = draped(smooth.apply(offsets["test"]), whole, data["test"])
+    seam, mesh = seams(sample, garment), rest_mesh(sample.vertices, sample.tables)
+    print("| | error cm | degrees | turn at seams, degrees | elsewhere |\n|---|---:|---:|---:|---:|")
+    test = {"drapes": data["test"].truth, "patches": said["test"], f"{len(smooth.components)} components": filtered}
+    for name, x in test.items():
+        turned = torch.rad2deg((energies.dihedral(x, mesh.hinges) - mesh.angle).abs())
+        at, elsewhere = turned[:, seam].mean().item(), turned[:, ~seam].mean().item()
+        print(f"| {name} | {off(x, data['test'].truth, garment.triangles)} | {at:.1f} | {elsewhere:.1f} |", flush=True)
+
+
+def seams(sample: Sample, garment: Garment) -> Tensor:
+    """Which hinges (H,) of the garment lie between two patches."""
+    uses = torch.bincount(garment.vertex, minlength=len(sample.vertices))
+    ends = torch.as_tensor(hinges(sample.tables[2].numpy()))[:, :2]
+    return (uses[ends] > 1).all(1)
+
+
+def speed(sample: Sample) -> None:
+    """Milliseconds of the decoder on one core, PyTorch."""
+    torch.set_num_threads(1)
+    garment = Garment.of(sample)
+    net, pose = network(garment).eval(), torch.randn(1, 90)
+    with torch.no_grad():
+        times = []
+        for _ in range(20):
+            started = time.perf_counter()
+            net(pose)
+            times.append(time.perf_counter() - started)
+    print(f"decoder: {1e3 * float(np.median(times)):.1f} ms on one core")
+
+
+def _trained(sample: Sample, path: Path, patched: bool) -> tuple[Garment, torch.nn.Module]:
+    garment = Garment.of(sample, patched)
+    net = network(garment)
+    net.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in torch.load(path).items()})
+    return garment, net.eval()
+
+
+@torch.no_grad()
+def _deepsd(sample: Sample, drapes: Drapes) -> Tensor:
+    """The shipped DeePSD, before any resolve."""
+    net = train_deepsd.DeePSD(Sizes())
+    net.load_state_dict(torch.load(SHIPPED)["net"])
+    bank = BodyBank(0, 0, 0)
+    entry = replace(in_poses(bank, [{}]), transforms=drapes.transforms)
+    every = torch.arange(len(drapes.x))
+    return train_deepsd.drape(net.eval(), sample, sample.vertices, entry, every, bank.parents).posed
+
+
+def _skinned(sample: Sample, drapes: Drapes) -> Tensor:
+    return skinned(sample, sample.vertices.expand(len(drapes.x), -1, -1), drapes.transforms).posed
+
+
+def tables() -> None:
+    sample = shirt()
+    sets = {split: load(split) for split in ("train", "validation", "test")}
+    print(f"\n{', '.join(f'{len(d.x)} {k}' for k, d in sets.items())} drapes\n")
+    section_8(sample, sets)
+    print()
+    sharpness(sample, sets)
+    print()
+    patches(sample, sets)
+    print()
+    speed(sample)

@@ -1,0 +1,116 @@
+//! The stored form of a hero's tables (safetensors), checked on reading.
+
+use glam::Vec3;
+use safetensors::tensor::{Dtype, SafeTensors};
+
+use super::{Filter, Hero, JOINTS, Site};
+use crate::error::DrapeError;
+
+impl Hero {
+    /// Reads the tables of `name` and checks that nothing points outside of them or of a body of `vertices`.
+    ///
+    /// # Errors
+    /// When the file is not such tables.
+    pub fn from_safetensors(name: &str, bytes: &[u8], vertices: usize) -> Result<Self, DrapeError> {
+        let file = Tables(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
+        let rest = file.points("rest")?;
+        let (images, side, mask) = file.mask()?;
+        let sites = file.sites(rest.len(), vertices, mask.len())?;
+        let filter = Filter { mean: file.points("filter_mean")?, components: file.points("filter")? };
+        if filter.mean.len() != sites.len() || !filter.components.len().is_multiple_of(sites.len()) {
+            return Err(DrapeError::Stored(format!("the filter of {name} is not of its sites")));
+        }
+        let joints = file.joints()?;
+        Ok(Self { graph: format!("pixel_cloth/{name}"), side, images, mask, rest, joints, sites, filter })
+    }
+}
+
+struct Tables<'a>(SafeTensors<'a>);
+
+impl Tables<'_> {
+    fn data(&self, name: &str, dtype: Dtype) -> Result<(Vec<usize>, &[u8]), DrapeError> {
+        let tensor = self.0.tensor(name).map_err(|e| DrapeError::Stored(format!("{name}: {e}")))?;
+        if tensor.dtype() != dtype {
+            return Err(DrapeError::Stored(format!("{name} is {:?}, not {dtype:?}", tensor.dtype())));
+        }
+        let bytes = self.0.tensor(name).map(|t| t.data()).map_err(|e| DrapeError::Stored(e.to_string()))?;
+        Ok((tensor.shape().to_vec(), bytes))
+    }
+
+    fn floats<const N: usize>(&self, name: &str) -> Result<Vec<[f32; N]>, DrapeError> {
+        let (_, bytes) = self.data(name, Dtype::F32)?;
+        let values: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+        if !values.len().is_multiple_of(N) || values.iter().any(|v| !v.is_finite()) {
+            return Err(DrapeError::Stored(format!("{name} does not hold rows of {N} finite numbers")));
+        }
+        Ok(values.as_chunks::<N>().0.to_vec())
+    }
+
+    fn points(&self, name: &str) -> Result<Vec<Vec3>, DrapeError> {
+        Ok(self.floats::<3>(name)?.into_iter().map(Vec3::from_array).collect())
+    }
+
+    /// The sites of a garment of `own` vertices on a body of `body`, in images of `pixels`.
+    fn sites(&self, own: usize, body: usize, pixels: usize) -> Result<Vec<Site>, DrapeError> {
+        let (vertex, corner) = (self.indices("vertex", own)?, self.indices("corner", body)?);
+        let (around, pixel) = (self.indices("around", vertex.len())?, self.indices("pixel", pixels)?);
+        let (share, along) = (self.floats::<1>("share")?, self.floats::<1>("along")?);
+        let corner_weight = self.floats::<3>("corner_weight")?;
+        let pixel_weight = self.floats::<4>("pixel_weight")?;
+        let (count, wide) = (vertex.len(), along.len() / vertex.len().max(1));
+        let rows = [corner.len() / 3, pixel.len() / 4, share.len(), corner_weight.len(), pixel_weight.len()];
+        let is_even = along.len() == wide * count && around.len() == along.len() && rows == [count; 5];
+        if count == 0 || wide == 0 || !is_even {
+            return Err(DrapeError::Stored("the tables of the sites do not fit each other".to_owned()));
+        }
+        let (corner, pixel) = (corner.as_chunks::<3>().0, pixel.as_chunks::<4>().0);
+        let gradient = |k: usize| {
+            let row = k * wide..(k + 1) * wide;
+            let pairs = around[row.clone()].iter().copied().zip(along[row].iter().map(|w| w[0]));
+            pairs.filter(|(_, weight)| *weight != 0.0).collect()
+        };
+        let site = |k: usize| Site {
+            vertex: vertex[k],
+            share: share[k][0],
+            corner: corner[k],
+            corner_weight: corner_weight[k],
+            along: gradient(k),
+            pixel: pixel[k],
+            pixel_weight: pixel_weight[k],
+        };
+        Ok((0..count).map(site).collect())
+    }
+
+    fn integers(&self, name: &str) -> Result<Vec<i32>, DrapeError> {
+        let (_, bytes) = self.data(name, Dtype::I32)?;
+        Ok(bytes.as_chunks::<4>().0.iter().map(|b| i32::from_le_bytes(*b)).collect())
+    }
+
+    fn indices(&self, name: &str, limit: usize) -> Result<Vec<usize>, DrapeError> {
+        let outside = || DrapeError::Stored(format!("{name} points outside of its table"));
+        let inside = |i: i32| usize::try_from(i).ok().filter(|i| *i < limit).ok_or_else(outside);
+        self.integers(name)?.into_iter().map(inside).collect()
+    }
+
+    fn joints(&self) -> Result<Vec<(Option<usize>, usize)>, DrapeError> {
+        let pairs = self.integers("joints")?;
+        let (pairs, rest) = pairs.as_chunks::<2>();
+        let joint = |i: i32| usize::try_from(i).ok();
+        let known = pairs.iter().map(|[of, to]| Some((joint(*of), joint(*to)?))).collect::<Option<Vec<_>>>();
+        match known.filter(|pairs| rest.is_empty() && pairs.len() == JOINTS) {
+            Some(pairs) => Ok(pairs),
+            None => Err(DrapeError::Stored(format!("joints are not {JOINTS} pairs"))),
+        }
+    }
+
+    /// Images, pixels of their side, and the mask.
+    fn mask(&self) -> Result<(usize, usize, Vec<bool>), DrapeError> {
+        let (shape, bytes) = self.data("mask", Dtype::U8)?;
+        match *shape.as_slice() {
+            [images, side, across] if side == across && images > 0 && side > 0 => {
+                Ok((images, side, bytes.iter().map(|b| *b != 0).collect()))
+            }
+            _ => Err(DrapeError::Stored("mask is not (images, side, side)".to_owned())),
+        }
+    }
+}
