@@ -26,7 +26,7 @@ BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
 .PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake \
-	train-garnet evaluate-garnet \
+	train-garnet evaluate-garnet train-pixel evaluate-pixel \
 	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
 help:
@@ -42,6 +42,8 @@ help:
 	@echo "make train       generate outfits and train the networks"
 	@echo "make train-garnet  make GarNet's drapes and train it on them, in hours"
 	@echo "make evaluate-garnet  GarNet's tables, of what has been trained"
+	@echo "make train-pixel  make the T-shirt's drapes and train pixel cloth on them, in hours"
+	@echo "make evaluate-pixel  pixel cloth's tables, of what has been made and trained"
 	@echo "make export      write the trained networks as ONNX"
 	@echo "make thumbnails  draw the pictures of the demo outfits again"
 	@echo "make pictures    draw the README's pictures again"
@@ -202,6 +204,14 @@ train-garnet: $(MODEL_TOOLS)
 
 evaluate-garnet: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_garnet
+
+train-pixel: $(MODEL_TOOLS)
+	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 0 --parts 2 & \
+		../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 1 --parts 2; made=$$?; wait; exit $$made; }
+	cd model && ../$(MODEL_VENV)/bin/python -m train_pixel
+
+evaluate-pixel: $(MODEL_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m shipped && ../$(MODEL_VENV)/bin/python -m evaluate_pixel
 
 SERVER ?= http://$(LISTEN)
 bake: $(MODEL_TOOLS)

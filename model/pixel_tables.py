@@ -48,7 +48,7 @@ def section_8(sample: Sample, sets: dict[str, Drapes]) -> None:
     print("| | train cm | degrees | validation cm | degrees | test cm | degrees |\n|---|---:|---:|---:|---:|---:|---:|")
     for name, *run in RUNS_OF_SECTION_8:
         if (path := checkpoint(*run)).exists():
-            garment, net = _trained(sample, path, run[3])
+            garment, net = trained(sample, path, run[3])
             data = {k: scenes(garment, d, run[2]) for k, d in sets.items()}
             cells = [off(answers(net, garment, s), s.truth, garment.triangles) for s in data.values()]
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
@@ -58,9 +58,9 @@ def sharpness(sample: Sample, sets: dict[str, Drapes]) -> None:
     """Ways to drape the test's poses: error, and wrinkles as the drapes have them."""
     drapes, mesh = sets["test"], rest_mesh(sample.vertices, sample.tables)
     around = torch.as_tensor(garnet_losses.neighbourhoods(sample.vertices.numpy(), 16))
-    ways = {"skinning": _skinned(sample, drapes), "deepsd": _deepsd(sample, drapes)}
+    ways = {"skinning": _skinned(sample, drapes), "deepsd": deepsd(sample, drapes)}
     if (path := checkpoint("l1", 0.01, "reference", False)).exists():
-        garment, net = _trained(sample, path, False)
+        garment, net = trained(sample, path, False)
         data = scenes(garment, drapes, "reference")
         ways["pixel cloth before the filter"] = answers(net, garment, data)
         smooth = filter_of(net, garment, sets)
@@ -85,7 +85,7 @@ def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
     """Patches before and after the filter, and how neighbours turn across their seams and elsewhere."""
     if not (path := checkpoint("l1", 0.01, "reference", True)).exists():
         return
-    garment, net = _trained(sample, path, True)
+    garment, net = trained(sample, path, True)
     whole = Garment.of(sample)
     said = {k: answers(net, garment, scenes(garment, d, "reference")) for k, d in sets.items() if k != "train"}
     data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
@@ -122,7 +122,7 @@ def speed(sample: Sample) -> None:
     print(f"decoder: {1e3 * float(np.median(times)):.1f} ms on one core")
 
 
-def _trained(sample: Sample, path: Path, patched: bool) -> tuple[Garment, torch.nn.Module]:
+def trained(sample: Sample, path: Path, patched: bool) -> tuple[Garment, torch.nn.Module]:
     garment = Garment.of(sample, patched)
     net = network(garment)
     net.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in torch.load(path).items()})
@@ -130,7 +130,7 @@ def _trained(sample: Sample, path: Path, patched: bool) -> tuple[Garment, torch.
 
 
 @torch.no_grad()
-def _deepsd(sample: Sample, drapes: Drapes) -> Tensor:
+def deepsd(sample: Sample, drapes: Drapes) -> Tensor:
     """The shipped DeePSD, before any resolve."""
     net = train_deepsd.DeePSD(Sizes())
     net.load_state_dict(torch.load(SHIPPED)["net"])

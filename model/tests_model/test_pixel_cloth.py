@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
+from safetensors.numpy import load_file
 from torch import Tensor
 
 import train_pixel
+from export import ARTIFACTS
 from nets.pixel_cloth import PixelCloth, Sizes, at_sites
 from pixel_data import COUNT, Drapes, in_poses, shirt
+from pixel_filter import Filter, offsets_of
 from pixel_poses import POSE, pose_matrices, upper_body_poses
 from pixel_scenes import Garment, Scenes, draped, pixels, scenes
 from relax import skinned
@@ -122,3 +125,19 @@ def test_every_tenth_drape_is_for_the_test() -> None:
     every = Drapes(torch.zeros(COUNT, 1, 3), torch.zeros(COUNT, 1, 3, 4), torch.arange(COUNT))
     counts = {split: len(every.of(split).x) for split in ("train", "validation", "test")}
     assert counts == {"train": 0.8 * COUNT, "validation": 0.1 * COUNT, "test": 0.1 * COUNT}
+
+
+def test_the_filter_keeps_what_its_drapes_do_and_takes_away_noise(garment: Garment, data: Scenes) -> None:
+    smooth = Filter.of(data)
+    assert torch.allclose(smooth.apply(data.offsets), data.offsets, atol=1e-5)
+    noise = 0.005 * torch.randn(data.offsets.shape, generator=torch.manual_seed(0))
+    off = (smooth.apply(data.offsets + noise, 2) - data.offsets).norm(dim=-1).mean()
+    assert off < 0.3 * noise.norm(dim=-1).mean()
+    assert torch.allclose(offsets_of(data.truth, garment, data), data.offsets, atol=1e-5)
+
+
+def test_the_shipped_filter_is_orthonormal() -> None:
+    kept = load_file(ARTIFACTS / "pixel_cloth" / "tee.safetensors")
+    components = kept["filter"]
+    np.testing.assert_allclose(components @ components.T, np.eye(len(components)), atol=1e-4)
+    assert kept["filter_mean"].size == components.shape[1] == 3 * len(kept["vertex"])
