@@ -195,10 +195,16 @@ def two_loops(slope: Tensor, pairs: list[Pair], soft: Tensor) -> Tensor:
     for p in reversed(pairs):
         shares.append(inner(p.moved, q) * p.inverse)
         q = q - shares[-1] * p.turned
-    z = soft @ q
+    z = applied(soft, q)
     for p, share in zip(pairs, reversed(shares), strict=True):
         z = z + p.moved * (share - inner(p.turned, z) * p.inverse)
     return z
+
+
+def applied(soft: Tensor, q: Tensor) -> Tensor:
+    """A symmetric matrix (N, N) times each of q (B, N, 3), in one product: one each would read it B times."""
+    flat = q.transpose(1, 2).reshape(-1, len(soft))
+    return (flat @ soft).unflatten(0, (len(q), 3)).transpose(1, 2)
 
 
 @torch.no_grad()
