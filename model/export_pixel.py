@@ -1,7 +1,7 @@
 """Write the trained pixel cloth as ONNX, checked against PyTorch, with its garment's tables: `python -m export_pixel`.
 
 Under artifacts/pixel_cloth: a manifest, and for each garment `NAME.onnx` and `NAME.safetensors`, what the service needs
-to skin its pixels (`server/toile-drape/src/hero.rs`).
+to skin its pixels (`server/toile-drape/src/hero`).
 """
 
 from __future__ import annotations
