@@ -63,6 +63,18 @@ fn a_body_of_another_shape_and_a_motion_wear_it_too() {
 }
 
 #[test]
+fn legs_that_the_network_never_saw_move_the_cloth_too() {
+    let server = Server::shared();
+    let id = upload(&server, &hero())["id"].as_str().unwrap().to_owned();
+    for pose in ["sitting", "squat", "lunge"] {
+        let answer = server.drape_json(&request(&id, pose, "pixel_cloth")).with_status(200).json();
+        let inside = answer["quality"]["penetration_after_percent"].as_f64().unwrap();
+        let stretched = answer["quality"]["max_edge_stretch"].as_f64().unwrap();
+        assert!(inside < 0.1 && stretched < 3.0, "{pose}: {answer}");
+    }
+}
+
+#[test]
 fn a_garment_without_a_network_is_refused_with_what_to_do() {
     let server = Server::shared();
     let id = server.upload_skirt();

@@ -91,6 +91,7 @@ impl FromStr for MethodKind {
 }
 
 /// An outfit on a body in every frame, as the methods see it.
+#[derive(Clone, Copy)]
 pub struct Wearer<'a> {
     /// The outfit.
     pub outfit: &'a Outfit,

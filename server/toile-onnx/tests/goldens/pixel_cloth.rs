@@ -1,11 +1,15 @@
 //! Pixel-based cloth.
 
+use std::sync::Arc;
+
+use glam::{Quat, Vec3};
 use toile_drape::error::DrapeError;
 use toile_drape::hero::{Hero, POSE};
 use toile_drape::methods::MethodKind;
-use toile_drape::pipeline::{DrapeRequest, drape};
+use toile_drape::pipeline::{Drape, DrapeRequest, Frame, Motion, drape};
 use toile_drape::studio::Studio;
 use toile_geometry::body::BodyShape;
+use toile_onnx::OnnxNetworks;
 
 use crate::support::{Golden, body, differences_about_means, motion, networks, repository};
 
@@ -13,25 +17,37 @@ fn tables() -> Vec<u8> {
     std::fs::read(repository().join("model/artifacts/pixel_cloth/tee.safetensors")).unwrap()
 }
 
+fn studio() -> Arc<Studio> {
+    let body = body();
+    let hero = Hero::from_safetensors("tee", &tables(), body.vertex_count()).unwrap();
+    Studio::new(body, vec![hero]).unwrap()
+}
+
+/// The same with legs that stand, as in training.
+fn still_legs(studio: &Studio, mut motion: Motion) -> Motion {
+    for pose in &mut motion.poses {
+        for name in ["leftUpperLeg", "leftLowerLeg", "rightUpperLeg", "rightLowerLeg"] {
+            assert!(studio.body.skeleton().set_humanoid(&mut pose.rotations, name, Quat::IDENTITY));
+        }
+    }
+    motion
+}
+
+/// The golden's garment in every frame of a motion, before any resolve.
+fn draped(studio: &Studio, networks: &mut OnnxNetworks, motion: &Motion, method: MethodKind) -> Drape {
+    let outfit = Golden::read("pixel_cloth.safetensors").outfit();
+    let statics = studio.static_pass(&outfit, &BodyShape::default(), networks).unwrap();
+    let (outfit, statics) = (&outfit, &statics);
+    let request = DrapeRequest { outfit, statics, motion, method, kinds: &[], resolve: false };
+    drape(studio, &request, networks).unwrap()
+}
+
 #[test]
 fn draped_cloth_agrees_with_the_training_code() {
     let golden = Golden::read("pixel_cloth.safetensors");
-    let body = body();
-    let hero = Hero::from_safetensors("tee", &tables(), body.vertex_count()).unwrap();
-    let studio = Studio::new(body, vec![hero]).unwrap();
-    let mut networks = networks();
-    let outfit = golden.outfit();
-    let statics = studio.static_pass(&outfit, &BodyShape::default(), &mut networks).unwrap();
-    let motion = motion(&studio);
-    let request = DrapeRequest {
-        outfit: &outfit,
-        statics: &statics,
-        motion: &motion,
-        method: MethodKind::PixelCloth,
-        kinds: &[],
-        resolve: false,
-    };
-    let draped = drape(&studio, &request, &mut networks).unwrap();
+    let (studio, outfit) = (studio(), golden.outfit());
+    let motion = still_legs(&studio, motion(&studio));
+    let draped = draped(&studio, &mut networks(), &motion, MethodKind::PixelCloth);
     let (expected, tight) = (golden.points("posed"), golden.points("tight"));
     let vertices = outfit.positions.len();
     let frames = draped.frames.iter().zip(expected.chunks_exact(vertices).zip(tight.chunks_exact(vertices)));
@@ -45,6 +61,26 @@ fn draped_cloth_agrees_with_the_training_code() {
     let [cloth] = draped.images.as_slice() else { panic!("one garment has images") };
     assert_eq!(cloth.values.len(), 6 * 256 * 256);
     assert_eq!(cloth.mask.len(), 2 * 256 * 256);
+}
+
+#[test]
+fn legs_move_the_cloth_as_they_do_by_deepsd() {
+    let (studio, mut networks) = (studio(), networks());
+    let moving = motion(&studio);
+    let standing = still_legs(&studio, moving.clone());
+    let [by_pixels, by_deepsd] = [MethodKind::PixelCloth, MethodKind::Deepsd].map(|method| {
+        let [there, here] = [&moving, &standing].map(|m| draped(&studio, &mut networks, m, method));
+        let change = |(a, b): (&Frame, &Frame)| -> Vec<Vec3> {
+            a.positions.iter().zip(&b.positions).map(|(a, b)| *a - *b).collect()
+        };
+        there.frames.iter().zip(&here.frames).map(change).collect::<Vec<_>>()
+    });
+    for (by_pixels, by_deepsd) in by_pixels.iter().zip(&by_deepsd) {
+        let (mean, largest) = differences_about_means(by_pixels, by_deepsd);
+        assert!(largest < 1e-4, "differs by {mean} m, {largest} m at most");
+    }
+    let spread = |x: &[Vec3]| differences_about_means(x, &vec![Vec3::ZERO; x.len()]).1;
+    assert!(spread(&by_deepsd[1]) > 0.1, "sitting moves the hem by {} m only", spread(&by_deepsd[1]));
 }
 
 #[test]
