@@ -25,6 +25,7 @@ from torch import Tensor
 from body.anny_body import AnnyBody
 from body.humanoid import Rotations
 from devices import on
+from garment.mirror import mirrored_cloth, mirrored_joints, opposite
 from outfits.dataset import save
 from outfits.garnet_garments import garnet_garment
 from pixel_poses import upper_body_poses
@@ -55,6 +56,12 @@ class Drapes:
     def of(self, split: str) -> Drapes:
         rows = torch.isin(self.number % 10, torch.tensor(list(SPLITS[split])))
         return Drapes(self.x[rows], self.transforms[rows], self.number[rows])
+
+    def with_mirrored(self, sample: Sample) -> Drapes:
+        """These, then each as a mirror shows it: twice as many of a symmetric garment."""
+        there = opposite(sample.vertices.double().numpy(), sample.tables[2].numpy())
+        x, transforms = mirrored_cloth(self.x, there), mirrored_joints(self.transforms)
+        return Drapes(*(torch.cat(p) for p in ((self.x, x), (self.transforms, transforms), (self.number,) * 2)))
 
 
 def shirt(folder: Path = PIXEL, density: int = DENSITY) -> Sample:

@@ -25,9 +25,11 @@ from pixel_poses import pose_matrices
 from training_data import Sample
 
 #: The body under the cloth: as it was draped on, or wrong on purpose (section 8.2).
-Carrier = Literal["reference", "thin", "thick", "rigid"]
+Carrier = Literal["reference", "thin", "thick", "lagging", "rigid"]
 #: m that a wrong body's skin lies off the true one.
 WRONG = {"thin": -0.015, "thick": 0.015}
+#: Share of every weight that lies on the joint's parent.
+LAG = 0.3
 #: Pixels of a patch's side.
 PATCH_SIZE = 128
 #: Drapes whose frames are made at once.
@@ -104,7 +106,16 @@ def _carrier(carrier: Carrier) -> tuple[np.ndarray, np.ndarray]:
     rest, skin = surface.vertices, surface.skin
     if carrier == "rigid":
         return rest, np.eye(skin.shape[1])[skin.argmax(1)]
+    if carrier == "lagging":
+        return rest, (1 - LAG) * skin + LAG * skin @ _to_parents()
     return rest + WRONG.get(carrier, 0.0) * surface.normals, skin
+
+
+def _to_parents() -> np.ndarray:
+    """Which garment joint is the parent of each, (36, 36); the root is its own."""
+    body = AnnyBody.load()
+    parents = body.parents[body.garment_joints]
+    return np.eye(len(parents))[np.where(parents < 0, 0, body.garment_joint[parents])]
 
 
 def draped(offsets: Tensor, garment: Garment, s: Scenes) -> Tensor:

@@ -40,7 +40,7 @@ class Settings:
     minutes: float
     batch: int = 8
     rate: float = 2e-3
-    steps: int = 10**9  # stop after this many, for smoke runs
+    steps: int = 10**9  # stop after this many
     loss: Norm = "l1"
     normals: float = 0.01  # weight of the normals (section 7), m
     seed: int = 0
@@ -60,12 +60,15 @@ def losses(images: Tensor, garment: Garment, s: Scenes, settings: Settings) -> d
 def learn(net: PixelCloth, garment: Garment, data: Scenes, s: Settings) -> None:
     """The training loop: Adam, cosine rate, a log line every hundred steps."""
     rng, started, count, history = np.random.default_rng(s.seed), time.time(), 0, []
+    net = net.to(memory_format=torch.channels_last)
     adam = torch.optim.Adam(net.parameters(), s.rate, betas=(0.9, 0.98))
-    while (progress := (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
+    while (progress := max((time.time() - started) / (60 * s.minutes), count / s.steps)) < 1:
         for group in adam.param_groups:
             group["lr"] = s.rate * (0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * progress)))
         batch = data.pick(torch.as_tensor(rng.integers(len(data), size=s.batch)).to(data.pose.device))
-        terms = losses(net(batch.pose), garment, batch, s)
+        with torch.autocast(batch.pose.device.type, torch.bfloat16):
+            images = net(batch.pose)
+        terms = losses(images.float(), garment, batch, s)
         torch.stack(list(terms.values())).sum().backward()
         nn.utils.clip_grad_norm_(net.parameters(), 1.0)
         adam.step()
@@ -98,7 +101,7 @@ def measures(x: Tensor, garment: Garment, data: Scenes) -> dict[str, float]:
     }
 
 
-def checkpoint(loss: Norm, normals: float, carrier: Carrier, patched: bool) -> Path:
+def checkpoint(loss: Norm, normals: float, carrier: Carrier, patched: bool, folder: Path = RUNS) -> Path:
     """Where a run's weights lie."""
     parts = (
         "tee",
@@ -106,7 +109,7 @@ def checkpoint(loss: Norm, normals: float, carrier: Carrier, patched: bool) -> P
         "" if carrier == "reference" else carrier,
         loss if normals else f"{loss}_only",
     )
-    return RUNS / f"{'_'.join(filter(None, parts))}.pt"
+    return folder / f"{'_'.join(filter(None, parts))}.pt"
 
 
 def network(garment: Garment) -> PixelCloth:
@@ -118,24 +121,28 @@ def network(garment: Garment) -> PixelCloth:
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--minutes", type=float, default=240)
+    p.add_argument("--steps", type=int, default=Settings.steps, help="stop after this many, if time is left")
     p.add_argument("--loss", choices=get_args(Norm), default="l1")
     p.add_argument("--normals", type=float, default=Settings.normals)
     p.add_argument("--carrier", choices=get_args(Carrier), default="reference")
     p.add_argument("--patches", action="store_true")
     p.add_argument("--drapes", type=Path, default=PIXEL)
+    p.add_argument("--out", type=Path, default=RUNS, help="folder of the weights")
     p.add_argument("--device", default="cpu")
     p.add_argument("--batch", type=int, default=Settings.batch, help="drapes a step: 8 for two cores, 64 for a GPU")
     a = p.parse_args()
     torch.manual_seed(0)
-    garment = on(Garment.of(shirt(a.drapes), a.patches), a.device)
-    sets = {split: scenes(garment, load(split, a.drapes), a.carrier, a.device) for split in ("train", "validation")}
+    sample = shirt(a.drapes)
+    garment = on(Garment.of(sample, a.patches), a.device)
+    drapes = {"train": load("train", a.drapes).with_mirrored(sample), "validation": load("validation", a.drapes)}
+    sets = {split: scenes(garment, d, a.carrier, a.device) for split, d in drapes.items()}
     print(f"{len(sets['train'])} drapes, {len(sets['validation'])} to validate", flush=True)
     net = network(garment).to(a.device)
-    learn(net, garment, sets["train"], Settings(a.minutes, a.batch, loss=a.loss, normals=a.normals))
+    learn(net, garment, sets["train"], Settings(a.minutes, a.batch, steps=a.steps, loss=a.loss, normals=a.normals))
     for name, data in sets.items():
         print(json.dumps({name: measures(answers(net, garment, data), garment, data)}), flush=True)
-    RUNS.mkdir(parents=True, exist_ok=True)
-    torch.save(net.cpu().state_dict(), checkpoint(a.loss, a.normals, a.carrier, a.patches))
+    a.out.mkdir(parents=True, exist_ok=True)
+    torch.save(net.cpu().state_dict(), checkpoint(a.loss, a.normals, a.carrier, a.patches, a.out))
 
 
 if __name__ == "__main__":

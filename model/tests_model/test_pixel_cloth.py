@@ -107,10 +107,20 @@ def test_patches_are_networks_of_their_own() -> None:
 
 
 def test_a_wrong_body_gives_other_offsets_to_the_same_cloth(garment: Garment, data: Scenes, drapes: Drapes) -> None:
-    for carrier in ("thin", "thick", "rigid"):
+    for carrier in ("thin", "thick", "lagging", "rigid"):
         wrong = scenes(garment, drapes, carrier)
         assert (wrong.offsets - data.offsets).norm(dim=-1).mean() > 1e-3
         assert torch.allclose(draped(wrong.offsets, garment, wrong), data.truth, atol=1e-5)
+
+
+def test_a_mirror_shows_the_cloth_on_the_mirrored_body(garment: Garment, tee: Sample, drapes: Drapes) -> None:
+    both = drapes.with_mirrored(tee)
+    assert both.x.shape == (6, *drapes.x.shape[1:])
+    mirrored = Drapes(both.x[3:], both.transforms[3:], both.number[3:])
+    assert (mirrored.with_mirrored(tee).x[3:] - drapes.x).norm(dim=-1).mean() < 2e-3
+    one, other = (scenes(garment, d, "reference") for d in (drapes, mirrored))
+    away = [(s.truth[:, garment.vertex] - s.places).norm(dim=-1).mean(1) for s in (one, other)]
+    assert torch.allclose(*away, rtol=0.05), "the body does not stand where its cloth is"
 
 
 def test_training_lowers_the_error(garment: Garment, data: Scenes) -> None:
