@@ -29,10 +29,12 @@ OUT = ARTIFACTS / "golden" / f"{METHOD}.safetensors"
 def tensors(sample: Sample, entry: ShapedPoses) -> dict[str, np.ndarray]:
     garment = Garment.of(sample)
     pose = pose_matrices(entry.transforms)
-    images = [run_onnx(ARTIFACTS / METHOD / f"{NAME}.onnx", {"pose": p[None].numpy()})[0] for p in pose]
+    kept = load_file(ARTIFACTS / METHOD / f"{NAME}.safetensors")
+    weights = {k: v for k, v in kept.items() if k.startswith(("weight", "bias"))}
+    decoder = ARTIFACTS / METHOD / "decoder.onnx"
+    images = [run_onnx(decoder, {"pose": p[None].numpy()} | weights)[0] for p in pose]
     offsets = at_sites(torch.as_tensor(np.concatenate(images)), garment.pixel_of_site, garment.pixel_weight)
-    kept = {k: torch.as_tensor(v) for k, v in load_file(ARTIFACTS / METHOD / f"{NAME}.safetensors").items()}
-    offsets = Filter(kept["filter_mean"], kept["filter"]).apply(offsets)
+    offsets = Filter(torch.as_tensor(kept["filter_mean"]), torch.as_tensor(kept["filter"])).apply(offsets)
     places, axes = garment.frames.places(entry.vertices), garment.frames.axes(entry.vertices, entry.normals)
     cloth = lambda offsets: vertices(offsets, places, axes, garment.vertex, garment.share).numpy()  # noqa: E731
     return {

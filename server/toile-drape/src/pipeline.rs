@@ -12,6 +12,7 @@ use toile_geometry::pose::Pose;
 use crate::contact::Collider;
 use crate::error::DrapeError;
 use crate::fitted::{Fitted, lengths};
+use crate::hero::Hero;
 use crate::methods::{ClothImages, GarmentKind, MethodKind, Placement, Wearer};
 use crate::network::Networks;
 use crate::outfit::Outfit;
@@ -44,6 +45,8 @@ pub struct DrapeRequest<'a> {
     pub method: MethodKind,
     /// Kind of every garment, innermost first; empty for methods that need none.
     pub kinds: &'a [GarmentKind],
+    /// A pixel-cloth network of the outfit's own, beside those of the studio.
+    pub hero: Option<&'a Hero>,
     /// Whether cloth inside the body or under inner garments is moved out afterwards.
     pub resolve: bool,
 }
@@ -131,6 +134,7 @@ pub fn drape(
     let timing = &mut out.timing;
     let (shaped, fitted) = timing.time("body", || clothe(studio, request));
     let posed = timing.time("body", || posed(studio, &shaped, request.motion));
+    let heroes: Vec<&Hero> = request.hero.into_iter().chain(&studio.heroes).collect();
     let wearer = Wearer {
         outfit: request.outfit,
         statics: request.statics,
@@ -144,7 +148,7 @@ pub fn drape(
         parents: &studio.garment_parents,
         bodies: &posed.bodies,
         seen: &studio.seen,
-        heroes: &studio.heroes,
+        heroes: &heroes,
     };
     let method = request.method.method();
     let placement = timing.time("dynamic", || method.dynamic_pass(&wearer, networks))?;

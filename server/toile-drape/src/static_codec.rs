@@ -61,8 +61,9 @@ impl StaticPass {
     }
 
     /// The stored form for others: also the `triangles` (T, 3) of the outfit and the `garment` of each vertex, innermost
-    /// first, uint32, the hash of the `networks` in hexadecimal, uint8, and in the file's metadata as `static` the
-    /// `key` of this static pass.
+    /// first, uint32, the hash of the `networks` in hexadecimal, uint8, its `positions` before any repair, what is
+    /// drawn (the vertex of each of `drawn_vertices`, `drawn_triangles` and `uvs` over them, empty where there are
+    /// none), and in the file's metadata as `static` the `key` of this static pass.
     ///
     /// # Errors
     /// When the container cannot be written.
@@ -72,6 +73,10 @@ impl StaticPass {
         columns.push(("triangles", indices(outfit.triangles.as_flattened())));
         columns.push(("garment", indices(&garment)));
         columns.push(("networks", small(networks.as_bytes())));
+        columns.push(("positions", floats(bytemuck::cast_slice(&outfit.positions))));
+        columns.push(("drawn_vertices", indices(&outfit.surface.vertex_of)));
+        columns.push(("drawn_triangles", indices(outfit.surface.triangles.as_flattened())));
+        columns.push(("uvs", floats(bytemuck::cast_slice(&outfit.surface.uvs))));
         // One entry: several would come in any order.
         serialized(&columns, Some(HashMap::from([("static".to_owned(), key.to_owned())])))
     }

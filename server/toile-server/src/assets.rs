@@ -93,7 +93,7 @@ impl Assets {
     }
 }
 
-/// The garments with a pixel-cloth network: the tables in `folder`.
+/// The garments with a pixel-cloth network: the files in `folder`.
 fn heroes(folder: &Path, body_vertices: usize) -> Result<Vec<Hero>, AssetError> {
     let failed = |cause| AssetError::File { path: folder.to_owned(), cause };
     let entries =
@@ -101,10 +101,7 @@ fn heroes(folder: &Path, body_vertices: usize) -> Result<Vec<Hero>, AssetError> 
     let mut paths: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
     paths.retain(|path| path.extension().is_some_and(|e| e == "safetensors"));
     paths.sort();
-    let hero = |path: &PathBuf| {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        Ok(Hero::from_safetensors(&name, &read(path)?, body_vertices)?)
-    };
+    let hero = |path: &PathBuf| Ok(Hero::from_safetensors(&read(path)?, body_vertices)?);
     paths.iter().map(hero).collect()
 }
 

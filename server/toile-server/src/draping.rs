@@ -51,6 +51,7 @@ pub fn drape(
         motion: &motion,
         method: request.method()?,
         kinds: &kinds(prepared, request)?,
+        hero: prepared.hero.as_ref().map(|(hero, _)| hero),
         resolve: true,
     };
     let drape = pipeline::drape(&assets.studio, &work, networks)?;

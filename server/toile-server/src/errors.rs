@@ -31,6 +31,7 @@ pub enum Code {
     DrapeExpired,
     NoThumbnail,
     NoBake,
+    NoHero,
     OutdatedBake,
     NotFound,
     MethodNotAllowed,
@@ -48,6 +49,7 @@ pub enum Code {
     WrongUnits,
     OffBody,
     InvalidBake,
+    InvalidHero,
     UnknownKind,
     /// `pixel_cloth` for a garment without a network.
     NoPixelCloth,
@@ -100,6 +102,7 @@ impl Code {
             Self::OutdatedBake => {
                 (S::CONFLICT, "outdated-bake", "The bake is of another outfit or other networks")
             }
+            Self::NoHero => (S::NOT_FOUND, "no-hero", "The outfit has no pixel-cloth network of its own"),
             Self::NoThumbnail => (S::NOT_FOUND, "no-thumbnail", "The outfit has no thumbnail"),
             Self::NotFound => (S::NOT_FOUND, "not-found", "There is nothing at this address"),
             Self::MethodNotAllowed => {
@@ -139,6 +142,9 @@ impl Code {
             }
             Self::OffBody => (S::UNPROCESSABLE_ENTITY, "off-body", "The outfit is not on the body"),
             Self::InvalidBake => (S::UNPROCESSABLE_ENTITY, "invalid-bake", "The bake cannot be used"),
+            Self::InvalidHero => {
+                (S::UNPROCESSABLE_ENTITY, "invalid-hero", "The pixel-cloth network cannot be used")
+            }
             Self::UnknownScan => (S::NOT_FOUND, "unknown-scan", "There is no body of this scan"),
             Self::NotABody => (S::UNPROCESSABLE_ENTITY, "not-a-body", "The mesh is no scan of a body"),
             Self::UnknownKind => {

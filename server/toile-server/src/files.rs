@@ -20,7 +20,7 @@ impl DataDir {
     /// When a folder cannot be created.
     pub fn open(root: &Path) -> io::Result<Self> {
         let data = Self { root: root.to_owned() };
-        for folder in [data.outfits(), data.statics(), data.bakes(), data.thumbnails()] {
+        for folder in [data.outfits(), data.statics(), data.bakes(), data.heroes(), data.thumbnails()] {
             std::fs::create_dir_all(folder)?;
         }
         Ok(data)
@@ -46,6 +46,11 @@ impl DataDir {
         self.root.join("bakes")
     }
 
+    /// Folder of pixel-cloth networks.
+    pub fn heroes(&self) -> PathBuf {
+        self.root.join("heroes")
+    }
+
     /// Folder of thumbnails.
     pub fn thumbnails(&self) -> PathBuf {
         self.root.join("thumbnails")
@@ -64,6 +69,11 @@ impl DataDir {
     /// A bake, by the key of the static pass that it refines.
     pub fn bake(&self, key: &str) -> PathBuf {
         self.bakes().join(key)
+    }
+
+    /// The pixel-cloth network of an outfit.
+    pub fn hero(&self, id: &str) -> PathBuf {
+        self.heroes().join(id)
     }
 
     /// The picture of an outfit.

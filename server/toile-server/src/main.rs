@@ -11,6 +11,7 @@ mod errors;
 mod files;
 mod gallery;
 mod hash;
+mod heroes;
 mod json;
 mod lifecycle;
 mod listener;

@@ -70,7 +70,7 @@ pub struct Summary {
 impl Summary {
     /// Counts of `outfit`, and which of its garments are `heroes`.
     pub fn of(outfit: &Outfit, heroes: &[Hero]) -> Self {
-        let known = hero::known(heroes, outfit);
+        let known = hero::known(&heroes.iter().collect::<Vec<_>>(), outfit);
         let garments = outfit.garments.iter().zip(known).map(|(garment, pixel_cloth)| GarmentSummary {
             pixel_cloth,
             name: garment.name.clone(),
@@ -208,7 +208,8 @@ impl Store {
             return Ok(false);
         }
         let (data, key) = (&self.data, static_key);
-        for path in [data.outfit(id), data.static_pass(key), data.bake(key), data.thumbnail(id)] {
+        let own = [data.outfit(id), data.static_pass(key), data.bake(key), data.hero(id), data.thumbnail(id)];
+        for path in own {
             remove_if_present(&path)?;
         }
         Ok(true)
@@ -225,8 +226,9 @@ impl Store {
         let outfits = sweep(&self.data.outfits(), |name| ids.contains(name))?;
         let statics = sweep(&self.data.statics(), |name| keys.contains(name))?;
         let bakes = sweep(&self.data.bakes(), |name| keys.contains(name))?;
+        let heroes = sweep(&self.data.heroes(), |name| ids.contains(name))?;
         let is_picture = |name: &str| name.strip_suffix(".png").is_some_and(|id| ids.contains(id));
-        Ok(outfits + statics + bakes + sweep(&self.data.thumbnails(), is_picture)?)
+        Ok(outfits + statics + bakes + heroes + sweep(&self.data.thumbnails(), is_picture)?)
     }
 
     /// Which outfit a file of the shipped gallery became when it was last loaded.

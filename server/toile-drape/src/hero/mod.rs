@@ -3,6 +3,7 @@
 //! Sites are the vertices of a garment's panels in pattern space; a vertex on a seam is a site of each panel. The same
 //! tables are made in `model/garment/local_frames.py` and `model/garment/cloth_image.py`; `model/export_pixel.py` writes them.
 
+mod decoder;
 mod tables;
 
 use std::collections::HashMap;
@@ -10,26 +11,23 @@ use std::collections::HashMap;
 use glam::{Affine3A, Mat3, Vec3};
 
 use crate::error::DrapeError;
+use crate::network::Networks;
 use crate::outfit::{Garment, Outfit};
+use decoder::Decoder;
 
-/// Joints of a pose, and numbers that the network sees of it: rotation matrices.
-const JOINTS: usize = 10;
-/// Numbers of a pose.
-pub const POSE: usize = 9 * JOINTS;
+pub use decoder::SIDE;
+
 /// m within which a garment's vertices must lie at those that the network was trained on.
 const SAME: f32 = 2e-3;
 
 /// A garment that a network was trained on.
 #[derive(Debug)]
 pub struct Hero {
-    /// Name of the network's graph.
-    pub graph: String,
-    /// Pixels of an image's side.
-    pub side: usize,
-    /// Images, one a panel.
-    pub images: usize,
-    /// Pixels on the cloth or its padding, images one after the other, row by row.
+    /// Pixels on the cloth or its padding, images (one a panel, [`SIDE`] square) one after the other, row by row.
     pub mask: Vec<bool>,
+    /// Whether the network saw legs move.
+    pub sees_legs: bool,
+    decoder: Decoder,
     rest: Vec<Vec3>,
     /// The joints whose turns the network sees, each against another one or the world.
     joints: Vec<(Option<usize>, usize)>,
@@ -83,7 +81,15 @@ impl Hero {
         self.joints.iter().flat_map(row_major).collect()
     }
 
-    /// The garment's vertices, world, m, from what `images` (3 a panel, `side` square) say at its sites, on a body's
+    /// What the network says of a pose: offsets along the pattern's u and v and off the skin, m, (panels, 3, SIDE, SIDE).
+    ///
+    /// # Errors
+    /// When the network fails.
+    pub fn images(&self, pose: &[f32], networks: &mut dyn Networks) -> Result<Vec<f32>, DrapeError> {
+        self.decoder.images(pose, networks)
+    }
+
+    /// The garment's vertices, world, m, from what `images` (3 a panel, [`SIDE`] square) say at its sites, on a body's
     /// vertices and normals.
     #[must_use]
     pub fn cloth(&self, images: &[f32], body: (&[Vec3], &[Vec3])) -> Vec<Vec3> {
@@ -106,8 +112,17 @@ impl Hero {
         out
     }
 
+    /// Bytes in memory.
+    #[must_use]
+    pub fn byte_size(&self) -> usize {
+        let points = self.rest.len() + self.filter.mean.len() + self.filter.components.len();
+        let around: usize =
+            self.sites.iter().map(|site| size_of::<Site>() + size_of_val(site.along.as_slice())).sum();
+        points * size_of::<Vec3>() + around + self.mask.len() + self.decoder.byte_size()
+    }
+
     fn offset(&self, images: &[f32], site: &Site) -> Vec3 {
-        let plane = self.side * self.side;
+        let plane = SIDE * SIDE;
         let read = |channel: usize| -> f32 {
             let pixels = site.pixel.iter().zip(site.pixel_weight);
             // Pixels count through the images; channels of an image lie one after the other.
@@ -158,10 +173,10 @@ pub struct Worn<'a> {
 ///
 /// # Errors
 /// When a garment is none of them.
-pub fn worn<'a>(heroes: &'a [Hero], outfit: &Outfit) -> Result<Vec<Worn<'a>>, DrapeError> {
+pub fn worn<'a>(heroes: &[&'a Hero], outfit: &Outfit) -> Result<Vec<Worn<'a>>, DrapeError> {
     let of_garment = |garment: &Garment| {
         let positions = positions(outfit, garment);
-        let found = heroes.iter().find_map(|hero| Some(Worn { hero, vertex: hero.fit(positions)? }));
+        let found = heroes.iter().find_map(|&hero| Some(Worn { hero, vertex: hero.fit(positions)? }));
         found.ok_or_else(|| DrapeError::NoHero { garment: garment.name.clone() })
     };
     outfit.garments.iter().map(of_garment).collect()
@@ -169,7 +184,7 @@ pub fn worn<'a>(heroes: &'a [Hero], outfit: &Outfit) -> Result<Vec<Worn<'a>>, Dr
 
 /// Whether there is a network of each garment of an outfit.
 #[must_use]
-pub fn known(heroes: &[Hero], outfit: &Outfit) -> Vec<bool> {
+pub fn known(heroes: &[&Hero], outfit: &Outfit) -> Vec<bool> {
     let of_garment =
         |garment: &Garment| heroes.iter().any(|hero| hero.fit(positions(outfit, garment)).is_some());
     outfit.garments.iter().map(of_garment).collect()

@@ -3,25 +3,28 @@
 use glam::Vec3;
 use safetensors::tensor::{Dtype, SafeTensors};
 
-use super::{Filter, Hero, JOINTS, Site};
+use super::decoder::{Decoder, Layer};
+use super::{Filter, Hero, SIDE, Site};
 use crate::error::DrapeError;
+use crate::reference::GARMENT_JOINTS;
 
 impl Hero {
-    /// Reads the tables of `name` and checks that nothing points outside of them or of a body of `vertices`.
+    /// Reads a hero's tables and weights and checks that nothing points outside of them or of a body of `vertices`.
     ///
     /// # Errors
     /// When the file is not such tables.
-    pub fn from_safetensors(name: &str, bytes: &[u8], vertices: usize) -> Result<Self, DrapeError> {
+    pub fn from_safetensors(bytes: &[u8], vertices: usize) -> Result<Self, DrapeError> {
         let file = Tables(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
         let rest = file.points("rest")?;
-        let (images, side, mask) = file.mask()?;
+        let (images, mask) = file.mask()?;
         let sites = file.sites(rest.len(), vertices, mask.len())?;
         let filter = Filter { mean: file.points("filter_mean")?, components: file.points("filter")? };
         if filter.mean.len() != sites.len() || !filter.components.len().is_multiple_of(sites.len()) {
-            return Err(DrapeError::Stored(format!("the filter of {name} is not of its sites")));
+            return Err(DrapeError::Stored("the filter is not of the sites".to_owned()));
         }
-        let joints = file.joints()?;
-        Ok(Self { graph: format!("pixel_cloth/{name}"), side, images, mask, rest, joints, sites, filter })
+        let (joints, sees_legs) = (file.joints()?, file.data("legs", Dtype::U8)?.1 == [1]);
+        let decoder = Decoder::read(|w, b| file.layer(w, b), 9 * joints.len(), images)?;
+        Ok(Self { mask, sees_legs, decoder, rest, joints, sites, filter })
     }
 }
 
@@ -95,22 +98,33 @@ impl Tables<'_> {
     fn joints(&self) -> Result<Vec<(Option<usize>, usize)>, DrapeError> {
         let pairs = self.integers("joints")?;
         let (pairs, rest) = pairs.as_chunks::<2>();
-        let joint = |i: i32| usize::try_from(i).ok();
-        let known = pairs.iter().map(|[of, to]| Some((joint(*of), joint(*to)?))).collect::<Option<Vec<_>>>();
-        match known.filter(|pairs| rest.is_empty() && pairs.len() == JOINTS) {
+        let joint = |i: i32| usize::try_from(i).ok().filter(|joint| *joint < GARMENT_JOINTS);
+        let known = |[of, to]: &[i32; 2]| match of {
+            -1 => Some((None, joint(*to)?)),
+            of => Some((Some(joint(*of)?), joint(*to)?)),
+        };
+        let pairs = pairs.iter().map(known).collect::<Option<Vec<_>>>();
+        match pairs.filter(|pairs| rest.is_empty() && (1..=GARMENT_JOINTS).contains(&pairs.len())) {
             Some(pairs) => Ok(pairs),
-            None => Err(DrapeError::Stored(format!("joints are not {JOINTS} pairs"))),
+            None => Err(DrapeError::Stored("joints are not pairs of joints".to_owned())),
         }
     }
 
-    /// Images, pixels of their side, and the mask.
-    fn mask(&self) -> Result<(usize, usize, Vec<bool>), DrapeError> {
+    /// Images and the mask.
+    fn mask(&self) -> Result<(usize, Vec<bool>), DrapeError> {
         let (shape, bytes) = self.data("mask", Dtype::U8)?;
         match *shape.as_slice() {
-            [images, side, across] if side == across && images > 0 && side > 0 => {
-                Ok((images, side, bytes.iter().map(|b| *b != 0).collect()))
-            }
-            _ => Err(DrapeError::Stored("mask is not (images, side, side)".to_owned())),
+            [images, SIDE, SIDE] if images > 0 => Ok((images, bytes.iter().map(|b| *b != 0).collect())),
+            _ => Err(DrapeError::Stored(format!("mask is not (images, {SIDE}, {SIDE})"))),
         }
+    }
+
+    /// A layer of the decoder, by the names of its weight and bias.
+    fn layer(&self, weight: &str, bias: &str) -> Result<Layer, DrapeError> {
+        let (shape, _) = self.data(weight, Dtype::F32)?;
+        let of_rank_four = || DrapeError::Stored(format!("{weight} is not of rank 4"));
+        let shape: [usize; 4] = shape.try_into().map_err(|_| of_rank_four())?;
+        let (weight, bias) = (self.floats::<1>(weight)?, self.floats::<1>(bias)?);
+        Ok(Layer { shape, weight: weight.as_flattened().to_vec(), bias: bias.as_flattened().to_vec() })
     }
 }

@@ -118,7 +118,7 @@ pub struct Wearer<'a> {
     /// Points of it that networks see.
     pub seen: &'a SeenPoints,
     /// Garments that have a pixel-cloth network.
-    pub heroes: &'a [Hero],
+    pub heroes: &'a [&'a Hero],
 }
 
 /// Where a method puts the cloth, before it is turned into world positions in one place

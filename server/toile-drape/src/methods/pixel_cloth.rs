@@ -1,20 +1,21 @@
 //! Pixel-based cloth (Jin et al. 2020): a garment of its own network, whose decoder turns a pose into cloth images.
 //!
 //! The body carries the garment's pixels, held by its triangles; the images say how far the cloth is from there. What
-//! legs do to it, which the networks never saw, is what they do to it by `DeePSD`.
+//! legs do to a garment whose network never saw them is what they
+//! do to it by `DeePSD`.
 
 use glam::{Affine3A, Quat, Vec3};
 use toile_geometry::normals::vertex_normals;
 use toile_geometry::pose::Pose;
 
-use super::deepsd::{Deepsd, only};
+use super::deepsd::Deepsd;
 use super::{ClothImages, Method, Placement, Wearer};
 use crate::error::DrapeError;
-use crate::hero::{POSE, worn};
-use crate::network::{Networks, TensorRef};
+use crate::hero::{Hero, SIDE, Worn, worn};
+use crate::network::Networks;
 use crate::skinning::place;
 
-/// Joints that stood still in training (`model/pixel_poses.py`).
+/// Joints that stood still where a network saw the upper body alone (`model/pixel_poses.py`).
 const LEGS: [&str; 4] = ["leftUpperLeg", "leftLowerLeg", "rightUpperLeg", "rightLowerLeg"];
 
 /// Pixel-based cloth.
@@ -30,23 +31,47 @@ impl Method for PixelCloth {
         let bodies = wearer.poses.iter().zip(wearer.bodies);
         let still: Vec<StillLegs> =
             bodies.map(|(pose, body)| StillLegs::of(wearer, pose, body.lift)).collect();
-        let (mut frames, mut first) = (by_legs(wearer, &still, networks)?, Vec::new());
-        for (index, (frame, still)) in frames.iter_mut().zip(&still).enumerate() {
+        let see_legs = garments.iter().all(|worn| worn.hero.sees_legs);
+        let by_legs = if see_legs { Vec::new() } else { by_legs(wearer, &still, networks)? };
+        let (mut frames, mut first) = (Vec::with_capacity(still.len()), Vec::new());
+        for (index, still) in still.iter().enumerate() {
+            let mut frame = vec![Vec3::ZERO; wearer.outfit.positions.len()];
             for (garment, worn) in wearer.outfit.garments.iter().zip(&garments) {
-                let hero = worn.hero;
-                let seen = hero.pose(&still.transforms);
-                let answer = networks.run(&hero.graph, &[("pose", TensorRef::F32(&[1, POSE], &seen))])?;
-                let images = only(&hero.graph, answer, 3 * hero.images * hero.side * hero.side)?;
-                let cloth = hero.cloth(&images, (&still.vertices, &still.normals));
-                let places = frame.iter_mut().skip(garment.vertices.start as usize);
-                places.zip(&worn.vertex).for_each(|(place, &v)| *place += cloth[v]);
+                let (body, transforms) = carrier(wearer, index, still, worn.hero);
+                let images = worn.hero.images(&worn.hero.pose(transforms), networks)?;
+                let range = garment.vertices.start as usize..garment.vertices.end as usize;
+                let moved = by_legs.get(index).filter(|_| !worn.hero.sees_legs);
+                let moved = moved.and_then(|moved| moved.get(range.clone())).unwrap_or_default();
+                let places = frame.get_mut(range).unwrap_or_default();
+                put(places, worn, &worn.hero.cloth(&images, body), moved);
                 if index == 0 {
-                    let (garment, mask) = (garment.name.clone(), hero.mask.clone());
-                    first.push(ClothImages { garment, side: hero.side, values: images, mask });
+                    let (garment, mask) = (garment.name.clone(), worn.hero.mask.clone());
+                    first.push(ClothImages { garment, side: SIDE, values: images, mask });
                 }
             }
+            frames.push(frame);
         }
         Ok(Placement::Pixels { frames, first })
+    }
+}
+
+/// Cloth of a network's garment at the `places` of an outfit's, and as far as legs moved it from there, if they did.
+fn put(places: &mut [Vec3], worn: &Worn<'_>, cloth: &[Vec3], moved: &[Vec3]) {
+    let own = worn.vertex.iter().map(|&v| cloth.get(v).copied().unwrap_or_default());
+    places.iter_mut().zip(own).for_each(|(place, there)| *place = there);
+    places.iter_mut().zip(moved).for_each(|(place, moved)| *place += *moved);
+}
+
+/// The body, its vertices and normals, and its joints as a hero's network knows them in a frame.
+fn carrier<'b>(
+    wearer: &Wearer<'b>,
+    index: usize,
+    still: &'b StillLegs,
+    hero: &Hero,
+) -> ((&'b [Vec3], &'b [Vec3]), &'b [Affine3A]) {
+    match (wearer.bodies.get(index), wearer.transforms.get(index)) {
+        (Some(body), Some(transforms)) if hero.sees_legs => ((&body.vertices, &body.normals), transforms),
+        _ => ((&still.vertices, &still.normals), &still.transforms),
     }
 }
 

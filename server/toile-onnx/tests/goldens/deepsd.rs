@@ -63,6 +63,7 @@ fn carried_rest_and_posed_cloth_agree_with_the_training_code() {
         motion: &motion,
         method: MethodKind::Deepsd,
         kinds: &[],
+        hero: None,
         resolve: false,
     };
     let draped = drape(&studio, &request, &mut networks).unwrap();
@@ -100,6 +101,7 @@ fn the_a_pose_of_the_reference_body_is_the_rest_pose() {
             motion: &motion,
             method,
             kinds: &[GarmentKind::Tee],
+            hero: None,
             resolve: false,
         };
         let draped = drape(&studio, &request, &mut networks).unwrap();

@@ -35,6 +35,7 @@ fn warped_and_draped_cloth_agree_with_the_training_code() {
         motion: &motion,
         method: MethodKind::Garnet,
         kinds: &[GarmentKind::Tee],
+        hero: None,
         resolve: false,
     };
     let draped = drape(&studio, &request, &mut networks).unwrap();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 use toile_drape::error::DrapeError;
-use toile_drape::hero::{Hero, POSE};
+use toile_drape::hero::Hero;
 use toile_drape::methods::MethodKind;
 use toile_drape::pipeline::{Drape, DrapeRequest, Frame, Motion, drape};
 use toile_drape::studio::Studio;
@@ -19,7 +19,7 @@ fn tables() -> Vec<u8> {
 
 fn studio() -> Arc<Studio> {
     let body = body();
-    let hero = Hero::from_safetensors("tee", &tables(), body.vertex_count()).unwrap();
+    let hero = Hero::from_safetensors(&tables(), body.vertex_count()).unwrap();
     Studio::new(body, vec![hero]).unwrap()
 }
 
@@ -38,7 +38,7 @@ fn draped(studio: &Studio, networks: &mut OnnxNetworks, motion: &Motion, method:
     let outfit = Golden::read("pixel_cloth.safetensors").outfit();
     let statics = studio.static_pass(&outfit, &BodyShape::default(), networks).unwrap();
     let (outfit, statics) = (&outfit, &statics);
-    let request = DrapeRequest { outfit, statics, motion, method, kinds: &[], resolve: false };
+    let request = DrapeRequest { outfit, statics, motion, method, kinds: &[], hero: None, resolve: false };
     drape(studio, &request, networks).unwrap()
 }
 
@@ -87,12 +87,12 @@ fn legs_move_the_cloth_as_they_do_by_deepsd() {
 fn poses_are_seen_as_in_training_whichever_way_the_body_faces() {
     let golden = Golden::read("pixel_cloth.safetensors");
     let body = body();
-    let hero = Hero::from_safetensors("tee", &tables(), body.vertex_count()).unwrap();
+    let hero = Hero::from_safetensors(&tables(), body.vertex_count()).unwrap();
     let studio = Studio::new(body, Vec::new()).unwrap();
     let motion = motion(&studio);
     let shaped = studio.body.shape(&motion.shape);
     let expected = golden.floats("pose");
-    for (pose, expected) in motion.poses.iter().zip(expected.chunks_exact(POSE)) {
+    for (pose, expected) in motion.poses.iter().zip(expected.chunks_exact(90)) {
         let transforms = studio.body.garment_transforms(&shaped, &studio.body.world_joints(&shaped, pose));
         for angle in [0.0, 2.0] {
             let turn = glam::Affine3A::from_rotation_y(angle);
@@ -108,16 +108,15 @@ fn a_garment_without_a_network_and_spoilt_tables_are_told() {
     let golden = Golden::read("pixel_cloth.safetensors");
     let body = body();
     let count = body.vertex_count();
-    let hero = Hero::from_safetensors("tee", &tables(), count).unwrap();
-    assert!(Hero::from_safetensors("tee", &tables(), 100).is_err(), "corners outside of the body");
-    assert!(Hero::from_safetensors("tee", &tables()[..1000], count).is_err());
-    let heroes = [hero];
+    let hero = Hero::from_safetensors(&tables(), count).unwrap();
+    assert!(Hero::from_safetensors(&tables(), 100).is_err(), "corners outside of the body");
+    assert!(Hero::from_safetensors(&tables()[..1000], count).is_err());
     let mut outfit = golden.outfit();
-    assert_eq!(toile_drape::hero::known(&heroes, &outfit), [true]);
+    assert_eq!(toile_drape::hero::known(&[&hero], &outfit), [true]);
     outfit.positions.reverse();
-    let worn = toile_drape::hero::worn(&heroes, &outfit).unwrap();
+    let worn = toile_drape::hero::worn(&[&hero], &outfit).unwrap();
     assert_eq!(worn[0].vertex[0], outfit.positions.len() - 1, "the order of the vertices does not matter");
     outfit.positions[7].x += 0.02;
-    let error = toile_drape::hero::worn(&heroes, &outfit).unwrap_err();
+    let error = toile_drape::hero::worn(&[&hero], &outfit).unwrap_err();
     assert!(matches!(error, DrapeError::NoHero { garment } if garment == "garment"));
 }

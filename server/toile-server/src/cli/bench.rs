@@ -62,8 +62,9 @@ impl Bench {
         let mut prepared = prepare(&path, &assets, &mut networks)?;
         let names = prepared.outfit.garments.iter().map(|garment| garment.name.clone());
         prepared.kinds = names.zip(self.kind.into_iter().cycle()).collect();
-        let has_networks =
-            hero::known(&assets.studio.heroes, &prepared.outfit).into_iter().all(|known| known);
+        let has_networks = hero::known(&assets.studio.heroes.iter().collect::<Vec<_>>(), &prepared.outfit)
+            .into_iter()
+            .all(|known| known);
         let methods = MethodKind::ALL.into_iter().filter(|method| match method {
             MethodKind::Garnet => self.kind.is_some(),
             MethodKind::PixelCloth => has_networks,

@@ -134,7 +134,7 @@ impl Judge<'_> {
         let kinds = self.kind.map_or_else(Vec::new, |kind| vec![kind; outfit.garments.len()]);
         for motion in self.motions {
             let (outfit, statics, kinds) = (&outfit, &statics, kinds.as_slice());
-            let work = DrapeRequest { outfit, statics, motion, method, kinds, resolve: false };
+            let work = DrapeRequest { outfit, statics, motion, method, kinds, hero: None, resolve: false };
             let before = drape(studio, &work, networks)?.frames;
             let after = drape(studio, &DrapeRequest { resolve: true, ..work }, networks)?.frames;
             let shaped = self.assets.shaped(&motion.shape);

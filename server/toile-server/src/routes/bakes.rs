@@ -40,12 +40,8 @@ pub async fn put(
     Path(id): Path<String>,
     request: Request,
 ) -> Result<Json<BakeReport>, ApiError> {
-    let busy = |_| ApiError::new(Code::Overloaded, "Too many uploads at once; try again shortly.");
-    let _turn = app.uploads.try_acquire().map_err(busy)?;
-    let file = Bytes::from_request(request, &app).await.map_err(|rejection| {
-        let otherwise = ApiError::new(Code::InvalidBake, "The request body breaks off.");
-        body_error(&rejection, rejection.status(), otherwise)
-    })?;
+    let _turn = app.upload_turn()?;
+    let file = received(&app, request, Code::InvalidBake).await?;
     Ok(Json(app.service.wardrobe.bake(&id, file).await?))
 }
 
@@ -53,6 +49,17 @@ pub async fn put(
 pub async fn remove(State(app): State<App>, Path(id): Path<String>) -> Result<StatusCode, ApiError> {
     app.service.wardrobe.stored(&id).await?;
     if app.service.wardrobe.unbake(&id).await? { Ok(StatusCode::NO_CONTENT) } else { Err(none(&id)) }
+}
+
+/// The bytes of a request; `code` where they break off.
+///
+/// # Errors
+/// `too-large`, `request-timeout` or `code`.
+pub async fn received(app: &App, request: Request, code: Code) -> Result<Bytes, ApiError> {
+    Bytes::from_request(request, app).await.map_err(|rejection| {
+        let otherwise = ApiError::new(code, "The request body breaks off.");
+        body_error(&rejection, rejection.status(), otherwise)
+    })
 }
 
 fn none(id: &str) -> ApiError {

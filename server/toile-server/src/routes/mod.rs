@@ -5,6 +5,7 @@ mod bakes;
 mod bodies;
 mod drapes;
 mod health;
+mod heroes;
 mod multipart;
 mod outfits;
 mod page;
@@ -28,6 +29,7 @@ use tower_http::timeout::RequestBodyTimeoutLayer;
 
 use crate::bakes::MAX_BAKE_BYTES;
 use crate::errors::{ApiError, Code};
+use crate::heroes::MAX_HERO_BYTES;
 use crate::lifecycle::{Lifecycle, Phase};
 use crate::request_id::with_request_id;
 use crate::server_timing;
@@ -84,6 +86,13 @@ pub fn router(app: App, web: Option<&Path>, body_read: Duration) -> Router {
                 .put(bakes::put)
                 .delete(bakes::remove)
                 .layer(DefaultBodyLimit::max(MAX_BAKE_BYTES)),
+        )
+        .route(
+            "/v1/outfits/{id}/hero",
+            get(heroes::show)
+                .put(heroes::put)
+                .delete(heroes::remove)
+                .layer(DefaultBodyLimit::max(MAX_HERO_BYTES)),
         )
         .route("/v1/outfits/{id}/thumbnail.png", get(outfits::thumbnail))
         .route("/v1/body", get(bodies::parameters))

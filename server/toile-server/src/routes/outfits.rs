@@ -16,7 +16,7 @@ use crate::errors::{ApiError, Code};
 use crate::hash::short_hash;
 use crate::json::QueryParameters;
 use crate::server_timing::ServerTiming;
-use crate::store::{GarmentSummary, NewOutfit, StoredOutfit};
+use crate::store::{GarmentSummary, StoredOutfit};
 use crate::upload::{Kinds, Upload};
 
 const DEFAULT_LIMIT: i64 = 20;
@@ -46,6 +46,7 @@ struct Links {
     r#static: String,
     thumbnail: Option<String>,
     bake: Option<String>,
+    hero: Option<String>,
 }
 
 impl OutfitView {
@@ -54,20 +55,24 @@ impl OutfitView {
         let at = location(&outfit.id);
         let data = app.service.store.data();
         let has_thumbnail = data.thumbnail(&outfit.id).exists();
+        let has_hero = data.hero(&outfit.id).exists();
+        let mut garments = outfit.summary.garments;
+        garments.iter_mut().for_each(|garment| garment.pixel_cloth |= has_hero);
         let has_bake = data.bake(&app.service.wardrobe.static_key(&outfit.id)).exists();
         Self {
             links: Links {
                 r#static: format!("{at}/static.glb"),
                 thumbnail: has_thumbnail.then(|| format!("{at}/thumbnail.png")),
                 bake: has_bake.then(|| format!("{at}/bake")),
+                hero: has_hero.then(|| format!("{at}/hero")),
                 own: at,
             },
-            methods: methods(&outfit),
+            methods: methods(&garments, &outfit.upload.metadata.kinds),
             id: outfit.id,
             name: outfit.name,
             vertices: outfit.summary.vertices,
             triangles: outfit.summary.triangles,
-            garments: outfit.summary.garments,
+            garments,
             kinds: outfit.upload.metadata.kinds,
             created_at: stored.created_at,
             report: Some(outfit.report),
@@ -81,10 +86,9 @@ impl OutfitView {
 
 /// The methods that drape an outfit as it is: `garnet` where the kind of every garment was stated, `pixel_cloth` where
 /// every garment has a network.
-fn methods(outfit: &NewOutfit) -> Vec<String> {
-    let kinds = &outfit.upload.metadata.kinds;
-    let is_known = outfit.summary.garments.iter().all(|garment| kinds.contains_key(&garment.name));
-    let has_networks = outfit.summary.garments.iter().all(|garment| garment.pixel_cloth);
+fn methods(garments: &[GarmentSummary], kinds: &Kinds) -> Vec<String> {
+    let is_known = garments.iter().all(|garment| kinds.contains_key(&garment.name));
+    let has_networks = garments.iter().all(|garment| garment.pixel_cloth);
     let able = MethodKind::ALL.into_iter().filter(|method| match method {
         MethodKind::Garnet => is_known,
         MethodKind::PixelCloth => has_networks,

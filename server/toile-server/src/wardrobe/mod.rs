@@ -1,6 +1,7 @@
 //! Outfits ready to be draped: memory, then disk, then computed, each only once however many ask.
 
-use std::path::Path;
+mod own;
+
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -17,6 +18,8 @@ use toile_gltf::{FrameView, OutfitTemplate, Scene, WriteError, write_drape};
 use crate::assets::Assets;
 use crate::bakes::{self, BakeReport};
 use crate::errors::{ApiError, Code};
+use crate::files::DataDir;
+use crate::heroes::{self, HeroReport};
 use crate::server_timing::ServerTiming;
 use crate::static_files;
 use crate::store::{NewOutfit, Store, StoredOutfit, Summary};
@@ -36,6 +39,8 @@ pub struct Prepared {
     pub kinds: Kinds,
     /// What the bake in the static pass buys, if there is one.
     pub bake: Option<BakeReport>,
+    /// Its own pixel-cloth network, if there is one, and how near that comes.
+    pub hero: Option<(Hero, HeroReport)>,
 }
 
 impl Prepared {
@@ -46,14 +51,17 @@ impl Prepared {
         for material in &mut outfit.materials {
             (material.base_color_picture, material.normal_picture) = (None, None);
         }
-        Self { outfit, statics, template, kinds, bake: None }
+        Self { outfit, statics, template, kinds, bake: None, hero: None }
     }
 
-    /// With the bake of a file in the place of the networks' answers, where there is one.
-    fn baked(self, path: &Path, key: &str) -> Self {
-        match bakes::load(path, &self.statics, key) {
-            Some((bake, report)) => Self { statics: self.statics.baked(bake), bake: Some(report), ..self },
-            None => self,
+    /// With what the outfit has of its own: a bake in the place of the networks' answers, a pixel-cloth network.
+    fn with_own(self, data: &DataDir, id: &str, key: &str, body: usize) -> Self {
+        let hero = heroes::load(&data.hero(id), id, &self.outfit, body);
+        match bakes::load(&data.bake(key), &self.statics, key) {
+            Some((bake, report)) => {
+                Self { statics: self.statics.baked(bake), bake: Some(report), hero, ..self }
+            }
+            None => Self { hero, ..self },
         }
     }
 
@@ -74,7 +82,8 @@ impl Prepared {
         let corners = (outfit.triangles.len() + outfit.surface.triangles.len()) * size_of::<[u32; 3]>();
         let points = size_of_val(outfit.positions.as_slice()) + size_of_val(outfit.surface.uvs.as_slice());
         let drawn = size_of_val(outfit.surface.vertex_of.as_slice());
-        corners + points + drawn + self.statics.byte_size() + self.template.byte_size()
+        let hero = self.hero.as_ref().map_or(0, |(hero, _)| hero.byte_size());
+        corners + points + drawn + hero + self.statics.byte_size() + self.template.byte_size()
     }
 }
 
@@ -151,10 +160,14 @@ impl Wardrobe {
         let stored = self.stored(id).await?;
         let kinds = stored.outfit.upload.metadata.kinds.clone();
         let (key, statics) = (self.static_key(id), self.statics(stored));
-        let bake = self.store.data().bake(&key);
+        let (data, body, owner) =
+            (self.store.data().clone(), self.assets.body().vertex_count(), id.to_owned());
         let prepare = move |networks: &mut dyn Networks| {
             let (outfit, statics, source) = statics(networks)?;
-            Ok::<_, ApiError>((Prepared::new(outfit, statics, kinds).baked(&bake, &key), source))
+            Ok::<_, ApiError>((
+                Prepared::new(outfit, statics, kinds).with_own(&data, &owner, &key, body),
+                source,
+            ))
         };
         let (prepared, source) = self.workers.run(prepare).await??;
         // It may have been deleted meanwhile.
@@ -264,35 +277,6 @@ impl Wardrobe {
         let (new, prepared, stages) = self.workers.run(prepare).await??;
         *timing = stages;
         Ok((new, prepared))
-    }
-
-    /// Takes in a bake's file; the next drape has it.
-    ///
-    /// # Errors
-    /// `unknown-outfit`, `invalid-bake` or `outdated-bake`; the outfit is then as it was.
-    pub async fn bake(&self, id: &str, file: Bytes) -> Result<BakeReport, ApiError> {
-        let (prepared, _) = self.get(id).await?;
-        let (data, key) = (self.store.data().clone(), self.static_key(id));
-        let keep = move |_: &mut dyn Networks| {
-            let (_, report) = bakes::read(&file, &prepared.statics, &key)?;
-            bakes::save(&data.bake(&key), &key, &file).map_err(ApiError::internal)?;
-            Ok::<_, ApiError>(report)
-        };
-        let report = self.workers.run(keep).await??;
-        self.set_aside(id).await;
-        Ok(report)
-    }
-
-    /// Drops the bake of an outfit. Returns whether there was one.
-    ///
-    /// # Errors
-    /// When its file cannot be removed.
-    pub async fn unbake(&self, id: &str) -> Result<bool, ApiError> {
-        let path = self.store.data().bake(&self.static_key(id));
-        let existed = path.exists();
-        crate::files::remove_if_present(&path).map_err(ApiError::internal)?;
-        self.set_aside(id).await;
-        Ok(existed)
     }
 
     /// Drops an outfit from memory; the next who asks has it from disk.
