@@ -25,7 +25,7 @@ VALIDATOR := tests/validator/node_modules/.installed
 BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
-.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake \
+.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake hero \
 	train-garnet evaluate-garnet train-pixel evaluate-pixel \
 	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
@@ -39,6 +39,7 @@ help:
 	@echo "make bench       how long every stage takes"
 	@echo "make evaluate    the draping's figures, against simulated drapes too"
 	@echo "make bake OUTFIT=id  refine one outfit of a running server, in minutes"
+	@echo "make hero OUTFIT=file  teach pixel cloth one outfit with UVs, at a running server, in an hour or two"
 	@echo "make train       generate outfits and train the networks"
 	@echo "make train-garnet  make GarNet's drapes and train it on them, in hours"
 	@echo "make evaluate-garnet  GarNet's tables, of what has been trained"
@@ -217,6 +218,12 @@ SERVER ?= http://$(LISTEN)
 bake: $(MODEL_TOOLS)
 	@test -n "$(OUTFIT)" || { echo "say which outfit: make bake OUTFIT=id (GET /v1/outfits lists them)" >&2; exit 1; }
 	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m bake "$(OUTFIT)" --server "$(SERVER)"
+
+MINUTES ?= 90
+hero: $(MODEL_TOOLS)
+	@test -n "$(OUTFIT)" || { echo "say which outfit: make hero OUTFIT=file.glb, or its id (GET /v1/outfits lists them)" >&2; exit 1; }
+	outfit="$(OUTFIT)"; if [ -f "$$outfit" ]; then outfit=$$(realpath "$$outfit"); fi; \
+		cd model && ../$(MODEL_VENV)/bin/python -m hero "$$outfit" --server "$(SERVER)" --minutes $(MINUTES)
 
 export: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m export

@@ -11,8 +11,6 @@ import argparse
 import hashlib
 import json
 import time
-import urllib.error
-import urllib.request
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
@@ -33,6 +31,7 @@ from nets.deepsd import JOINTS
 from posed_bodies import Bodies
 from relax import relaxed
 from rig import Rig, Scene, coefficients, drape, measure, read, with_riders
+from service import Service
 from training_data import BodyBank, Sample, carry
 
 ARTIFACTS = Path(__file__).parent / "artifacts"
@@ -200,26 +199,6 @@ def bake(tensors: dict[str, NDArray], artifacts: Path, steps: int) -> tuple[dict
 
 def tell(what: str, started: float) -> None:
     print(f"{time.time() - started:5.0f} s  {what}", flush=True)
-
-
-class Service:
-    """The outfit at a running server."""
-
-    def __init__(self, server: str, outfit: str) -> None:
-        self.address = f"{server.rstrip('/')}/v1/outfits/{outfit}"
-
-    def ask(self, method: str, path: str, body: bytes | None = None) -> bytes:
-        """Its answer, or its complaint as the end of the program."""
-        request = urllib.request.Request(f"{self.address}/{path}", body, method=method)
-        try:
-            with urllib.request.urlopen(request) as answer:
-                return answer.read()
-        except urllib.error.HTTPError as error:
-            raise SystemExit(json.loads(error.read())["detail"]) from error
-        except urllib.error.URLError as error:
-            raise SystemExit(
-                f"No server answers at {self.address}: {error.reason}. Start one with `make run`."
-            ) from error
 
 
 def metadata(file: bytes) -> dict[str, str]:

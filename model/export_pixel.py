@@ -44,7 +44,7 @@ class Decoder(nn.Module):
 
 @torch.no_grad()
 def folded(net: PixelCloth) -> dict[str, Tensor]:
-    """What `Decoder` takes beside the pose, for images in metres: weight (in, out, 4, 4) and bias (out,) of each layer."""
+    """What `Decoder` takes beside the pose, for images in metres: weights (in, out, 4, 4) and bias (out,) of layers."""
     layers, out = list(net.layers), {}
     for k in range(LAYERS):
         convolution, after = layers[3 * k], layers[3 * k + 1 : 3 * k + 2]
@@ -81,9 +81,9 @@ def tables(sample: Sample, garment: Garment, net: PixelCloth, smooth: Filter) ->
     }  # fmt: skip
     indices = {
         "vertex": garment.vertex, "corner": garment.frames.corners, "around": garment.frames.around,
-        "pixel": garment.pixel_of_site, "joints": torch.tensor([[number(of), number(to)] for of, to in JOINTS]),
+        "pixel": garment.pixel_of_site, "joints": torch.tensor([[number(of), number(to)] for of, to in garment.joints]),
     }  # fmt: skip
-    small = {"mask": mask(garment, net.sizes.side), "legs": torch.tensor([False])}
+    small = {"mask": mask(garment, net.sizes.side), "legs": torch.tensor([garment.joints != JOINTS])}
     out = {name: x.numpy().astype(np.float32) for name, x in floats.items()}
     out |= {name: x.numpy().astype(np.int32) for name, x in indices.items()}
     out |= {name: x.numpy().astype(np.uint8) for name, x in small.items()}

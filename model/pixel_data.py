@@ -8,6 +8,7 @@ stopped, and several runs with different `--part` share the work.
 from __future__ import annotations
 
 import argparse
+import os
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -78,12 +79,11 @@ def in_poses(bank: BodyBank, poses: list[Rotations]) -> ShapedPoses:
 
 
 class Maker:
-    """Relaxes chunks of drapes on a device; other processes judge them."""
+    """Relaxes chunks of a garment's drapes on a device; other processes judge them, or with no workers this one."""
 
-    def __init__(self, out: Path, device: str, workers: int) -> None:
-        self.out, self.device, self.bank = out, device, BodyBank(0, 0, 0)
-        self.pool = ProcessPoolExecutor(workers, get_context("spawn"))
-        self.sample = shirt(out)
+    def __init__(self, sample: Sample, device: str = "cpu", workers: int = 0, steps: int = STEPS) -> None:
+        self.sample, self.device, self.steps, self.bank = sample, device, steps, BodyBank(0, 0, 0)
+        self.pool = ProcessPoolExecutor(workers, get_context("spawn")) if workers else None
         self.already = crossing(self.sample.vertices.double().numpy(), self.sample.tables[2].numpy())
 
     def make(self, entry: ShapedPoses, batch: int) -> tuple[NDArray[np.float32], list[Judged]]:
@@ -91,16 +91,13 @@ class Maker:
         done = [self.relaxed(entry, poses) for poses in torch.arange(len(entry.vertices)).split(batch)]
         x, tables = np.concatenate(done), (self.sample.tables[2].numpy(), self.bank.triangles.numpy())
         start = (self.already, self.sample.vertices.numpy())
-        waiting = [
-            self.pool.submit(judged, cloth, start, skin, *tables)
-            for cloth, skin in zip(x, entry.vertices.numpy(), strict=True)
-        ]
-        return x, [future.result() for future in waiting]
+        jobs = [(cloth, start, skin, *tables) for cloth, skin in zip(x, entry.vertices.numpy(), strict=True)]
+        return x, list((self.pool.map if self.pool else map)(judged, *zip(*jobs, strict=True)))
 
     def relaxed(self, entry: ShapedPoses, poses: Tensor) -> NDArray[np.float32]:
         worn, bodies = Worn.of(self.sample, self.bank, entry, len(poses)), Bodies.of(entry, poses)
         sample, worn, bodies = on((self.sample, worn, bodies), self.device)
-        return follow(sample, worn, self.bank.to(self.device), bodies, STEPS).cpu().numpy()
+        return follow(sample, worn, self.bank.to(self.device), bodies, self.steps).cpu().numpy()
 
 
 def judged(
@@ -110,6 +107,14 @@ def judged(
     return judge(x.astype(np.float64), 0.0, start, triangles, (skin.astype(np.float64), skin_triangles))
 
 
+def keep(path: Path, entry: ShapedPoses, x: NDArray[np.float32], found: list[Judged]) -> None:
+    """Writes a chunk; the file appears complete or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(f".part{os.getpid()}.npz")
+    np.savez(part, x=x, transforms=entry.transforms.numpy(), judged=np.array([astuple(j) for j in found]))
+    part.rename(path)
+
+
 def files(out: Path = PIXEL) -> Iterator[Path]:
     """Where each chunk lies, in the order of the poses."""
     yield from (out / "tee" / f"{k:03d}.npz" for k in range(COUNT // CHUNK))
@@ -117,15 +122,20 @@ def files(out: Path = PIXEL) -> Iterator[Path]:
 
 def load(split: str, out: Path = PIXEL) -> Drapes:
     """Every good drape of a split that is there. Raises FileNotFoundError when there is none."""
+    if not any(path.exists() for path in files(out)):
+        raise FileNotFoundError(f"no drapes under {out}: run `python -m pixel_data` first")
+    return good(list(files(out)), CHUNK).of(split)
+
+
+def good(paths: list[Path], chunk: int) -> Drapes:
+    """Every good drape of those chunks that are there, `chunk` poses each."""
     rows = []
-    for k, path in enumerate(files(out)):
+    for k, path in enumerate(paths):
         if path.exists():
-            kept, number = np.load(path), np.arange(k * CHUNK, (k + 1) * CHUNK)
+            kept, number = np.load(path), np.arange(k * chunk, (k + 1) * chunk)
             fine = [Judged(*row).fault(Limits()) is None for row in kept["judged"].tolist()]
             rows.append([torch.as_tensor(v[fine]) for v in (kept["x"], kept["transforms"], number[: len(fine)])])
-    if not rows:
-        raise FileNotFoundError(f"no drapes under {out}: run `python -m pixel_data` first")
-    return Drapes(*(torch.cat(column) for column in zip(*rows, strict=True))).of(split)
+    return Drapes(*(torch.cat(column) for column in zip(*rows, strict=True)))
 
 
 def main() -> None:
@@ -138,7 +148,7 @@ def main() -> None:
     p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
     p.add_argument("--workers", type=int, default=1, help="processes that judge drapes")
     a = p.parse_args()
-    maker, started, faults = Maker(a.out, a.device, a.workers), time.time(), Counter()
+    maker, started, faults = Maker(shirt(a.out), a.device, a.workers), time.time(), Counter()
     poses = upper_body_poses(COUNT, SEED)
     for k, path in islice(enumerate(files(a.out)), a.part, None, a.parts):
         if time.time() - started > 60 * a.minutes:
@@ -147,15 +157,13 @@ def main() -> None:
             continue
         entry = in_poses(maker.bank, poses[k * CHUNK : (k + 1) * CHUNK])
         x, found = maker.make(entry, a.batch)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_suffix(".part.npz")
-        np.savez(part, x=x, transforms=entry.transforms.numpy(), judged=np.array([astuple(j) for j in found]))
-        part.rename(path)
+        keep(path, entry, x, found)
         faults.update(j.fault(Limits()) or "" for j in found)
         print(
             f"{faults.total()} drapes, {round(time.time() - started)} s, good and by fault: {dict(faults)}", flush=True
         )
-    maker.pool.shutdown()
+    if maker.pool:
+        maker.pool.shutdown()
 
 
 if __name__ == "__main__":

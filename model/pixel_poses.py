@@ -21,6 +21,12 @@ JOINTS: tuple[tuple[str | None, str], ...] = (
     ("spine01", "shoulder01.L"), ("shoulder01.L", "upperarm02.L"), ("upperarm02.L", "lowerarm02.L"),
     ("spine01", "shoulder01.R"), ("shoulder01.R", "upperarm02.R"), ("upperarm02.R", "lowerarm02.R"),
 )  # fmt: skip
+#: The same with the legs, for garments that reach them.
+WHOLE_BODY: tuple[tuple[str | None, str], ...] = (
+    *JOINTS,
+    ("root", "upperleg02.L"), ("upperleg02.L", "lowerleg02.L"),
+    ("root", "upperleg02.R"), ("upperleg02.R", "lowerleg02.R"),
+)  # fmt: skip
 #: Humanoid joints that stand still.
 LEGS = ("leftUpperLeg", "leftLowerLeg", "rightUpperLeg", "rightLowerLeg")
 #: Numbers of a pose: rotation matrices.
@@ -52,14 +58,14 @@ def upper_body_poses(count: int, seed: int) -> list[dict[str, np.ndarray]]:
     return poses
 
 
-def pose_matrices(transforms: Tensor) -> Tensor:
-    """What the network sees of P poses, (P, POSE): rotation matrices, row by row.
+def pose_matrices(transforms: Tensor, joints: tuple[tuple[str | None, str], ...] = JOINTS) -> Tensor:
+    """What the network sees of P poses, (P, 9 J): rotation matrices of the joints, row by row.
 
     transforms (P, 36, 3, 4): world from A-pose. Which way the body faces is left out: cloth does not notice.
     """
     names = garment_joint_names()
-    turn = {name: transforms[:, names.index(name), :, :3] for pair in JOINTS for name in pair if name}
-    own = [upright(turn[to]) if of is None else turn[of].transpose(1, 2) @ turn[to] for of, to in JOINTS]
+    turn = {name: transforms[:, names.index(name), :, :3] for pair in joints for name in pair if name}
+    own = [upright(turn[to]) if of is None else turn[of].transpose(1, 2) @ turn[to] for of, to in joints]
     return torch.stack(own, 1).flatten(1)
 
 

@@ -21,11 +21,13 @@ from outfits.body_fields import body_fields
 from outfits.mesh import GarmentMesh
 from outfits.panels import front_and_back, patches
 from pixel_data import Drapes
-from pixel_poses import pose_matrices
+from pixel_poses import JOINTS, pose_matrices
 from training_data import Sample
 
 #: The body under the cloth: as it was draped on, or wrong on purpose (section 8.2).
 Carrier = Literal["reference", "thin", "thick", "lagging", "rigid"]
+#: Joints whose turns a network sees, each against another or the world.
+Joints = tuple[tuple[str | None, str], ...]
 #: m that a wrong body's skin lies off the true one.
 WRONG = {"thin": -0.015, "thick": 0.015}
 #: Share of every weight that lies on the joint's parent.
@@ -50,6 +52,8 @@ class Garment:
     pixel_of_site: Tensor  # (Q, 4)
     pixel_weight: Tensor  # (Q, 4)
     images: int
+    side: int  # pixels of an image's
+    joints: Joints = JOINTS  # that the network sees
 
     @classmethod
     def of(cls, sample: Sample, patched: bool = False) -> Garment:
@@ -57,20 +61,25 @@ class Garment:
         v, t, body = sample.vertices.double().numpy(), sample.tables[2].numpy(), AnnyBody.load()
         mesh, shape = GarmentMesh("tee", "tee", 0, v, t), body_fields(body, body.shape())
         panels: list[Panel] = list(front_and_back(mesh, shape))
-        if patched:
-            panels = patches(panels, mesh, shape)
-        images = cloth_images(panels, len(v), PATCH_SIZE if patched else SIZE)
+        return cls.laid(sample, patches(panels, mesh, shape), PATCH_SIZE) if patched else cls.laid(sample, panels)
+
+    @classmethod
+    def laid(cls, sample: Sample, panels: list[Panel], side: int = SIZE, joints: Joints = JOINTS) -> Garment:
+        """Any garment, by its panels."""
+        v, t = sample.vertices.double().numpy(), sample.tables[2].numpy()
+        images = cloth_images(panels, len(v), side)
         names = ("vertex", "share", "pixel", "site_of_pixel", "site_weight", "pixel_of_site", "pixel_weight")
         tables = {name: torch.as_tensor(getattr(images, name)) for name in names}
         tables = {name: x.float() if x.is_floating_point() else x for name, x in tables.items()}
-        return cls(sample.tables[2], frames(panels, worn_tight(v, t)), images=len(panels), **tables)
+        held = frames(panels, worn_tight(v, t))
+        return cls(sample.tables[2], held, images=len(panels), side=side, joints=joints, **tables)
 
 
 @dataclass(frozen=True)
 class Scenes:
     """D drapes of one garment."""
 
-    pose: Tensor  # (D, POSE)
+    pose: Tensor  # (D, 9 J)
     places: Tensor  # (D, Q, 3) of the sites on the body
     axes: Tensor  # (D, Q, 3, 3)
     offsets: Tensor  # (D, Q, 3) of the cloth from there, in `axes`
@@ -96,7 +105,7 @@ def scenes(garment: Garment, drapes: Drapes, carrier: Carrier, device: str = "cp
         places = garment.frames.places(body)
         axes = garment.frames.axes(body, nearest.vertex_normals(body, triangles))
         offsets = (axes.transpose(-2, -1) @ (drapes.x[rows][:, garment.vertex] - places)[..., None])[..., 0]
-        parts.append((pose_matrices(drapes.transforms[rows]), places, axes, offsets, drapes.x[rows]))
+        parts.append((pose_matrices(drapes.transforms[rows], garment.joints), places, axes, offsets, drapes.x[rows]))
     return Scenes(*(torch.cat(column) for column in zip(*parts, strict=True)))
 
 

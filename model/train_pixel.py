@@ -25,7 +25,7 @@ from devices import on
 from garment import nearest
 from nets.pixel_cloth import OFFSET_UNIT, PixelCloth, Sizes, at_sites, of_mask
 from pixel_data import PIXEL, load, shirt
-from pixel_scenes import Carrier, Garment, Scenes, draped, pixels, scenes
+from pixel_scenes import PATCH_SIZE, Carrier, Garment, Scenes, draped, pixels, scenes
 
 RUNS = Path(__file__).parent / "runs" / "pixel"
 Norm = Literal["l1", "l2"]
@@ -114,8 +114,10 @@ def checkpoint(loss: Norm, normals: float, carrier: Carrier, patched: bool, fold
 
 def network(garment: Garment) -> PixelCloth:
     """Untrained, for a whole garment or for its patches."""
-    patched = garment.images > 2
-    return PixelCloth(Sizes(garment.images, PATCHED, garment.images) if patched else Sizes(garment.images))
+    pose = 9 * len(garment.joints)
+    if garment.side == PATCH_SIZE:
+        return PixelCloth(Sizes(garment.images, PATCHED, garment.images, pose))
+    return PixelCloth(Sizes(garment.images, pose=pose))
 
 
 def main() -> None:

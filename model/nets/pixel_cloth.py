@@ -26,6 +26,7 @@ class Sizes:
     images: int = 2
     channels: tuple[int, ...] = (256, 128, 96, 64, 32, 16)
     groups: int = 1  # networks side by side
+    pose: int = POSE  # numbers of a pose
 
     @property
     def side(self) -> int:
@@ -34,13 +35,13 @@ class Sizes:
 
 
 class PixelCloth(nn.Module):
-    """Poses (P, POSE) to cloth images, (P, 3 images, side, side), metres."""
+    """Poses (P, sizes.pose) to cloth images, (P, 3 images, side, side), metres."""
 
     def __init__(self, sizes: Sizes) -> None:
         super().__init__()
         self.sizes, g = sizes, sizes.groups
         first, last = sizes.channels[0] * g, sizes.channels[-1] * g
-        layers: list[nn.Module] = [nn.ConvTranspose2d(POSE * g, first, 4, bias=False, groups=g)]
+        layers: list[nn.Module] = [nn.ConvTranspose2d(sizes.pose * g, first, 4, bias=False, groups=g)]
         for inlet, outlet in pairwise(sizes.channels):
             layers += [nn.BatchNorm2d(inlet * g), nn.ReLU()]
             layers += [nn.ConvTranspose2d(inlet * g, outlet * g, 4, 2, 1, bias=False, groups=g)]
@@ -54,7 +55,7 @@ class PixelCloth(nn.Module):
 
 def multiplications(sizes: Sizes) -> int:
     """Multiply-adds of one pose."""
-    widths, total = (*sizes.channels, 3 * sizes.images // sizes.groups), 16 * POSE * sizes.channels[0]
+    widths, total = (*sizes.channels, 3 * sizes.images // sizes.groups), 16 * sizes.pose * sizes.channels[0]
     for k, (inlet, outlet) in enumerate(pairwise(widths)):
         total += 16 * inlet * outlet * (4 << k) ** 2
     return total * sizes.groups
