@@ -22,8 +22,8 @@ from pixel_data import load, shirt
 from pixel_filter import Filter
 from pixel_poses import JOINTS
 from pixel_scenes import Garment, mask
-from pixel_tables import filter_of
-from train_pixel import checkpoint, network
+from pixel_tables import filter_of, trained
+from train_pixel import checkpoint
 from training_data import Sample
 
 METHOD, NAME = "pixel_cloth", "tee"
@@ -95,14 +95,11 @@ def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--out", type=Path, default=ARTIFACTS)
     a = p.parse_args()
-    path = checkpoint("l1", 0.01, "reference", patched=False)
-    if not path.exists():
+    if not checkpoint().exists():
         raise SystemExit("no trained network to export: run `make train-pixel` first")
     sample = shirt()
-    garment = Garment.of(sample)
-    net = network(garment)
-    net.load_state_dict(torch.load(path))
-    smooth = filter_of(net.eval(), garment, {split: load(split) for split in ("train", "validation")})
+    garment, net = trained(sample)
+    smooth = filter_of(net, garment, {split: load(split) for split in ("train", "validation")})
     export_method(METHOD, [spec()], a.out)
     save_file(tables(sample, garment, net, smooth), a.out / METHOD / f"{NAME}.safetensors")
 

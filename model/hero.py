@@ -23,7 +23,6 @@ from safetensors.numpy import load, save
 
 import export_pixel
 from bake import tell
-from body.humanoid import Rotations
 from body.pose_sampling import sample_poses
 from garment.binding import garment_joint_names
 from garment.mirror import asymmetry, opposite
@@ -39,7 +38,7 @@ from train_pixel import Settings, answers, learn, network
 from training_data import DATA, BodyBank, Sample, carry
 
 ARTIFACTS = Path(__file__).parent / "artifacts"
-#: Poses that are there to relax the cloth in, of a file, and their seed.
+#: Poses to relax the cloth in at most, of a file, and the seed of the first file's.
 COUNT, CHUNK, SEED = 2000, 8, 9_500
 #: Steps of a relaxation: half of what the shipped T-shirt's had, for twice as many drapes an hour.
 STEPS = 320
@@ -67,10 +66,6 @@ class Task:
         """Where each chunk of drapes lies."""
         return [self.folder / f"{k:03d}.npz" for k in range(COUNT // CHUNK)]
 
-    def poses(self) -> list[Rotations]:
-        """The poses of all chunks: of the upper body, or of everything."""
-        return (upper_body_poses if self.garment.joints == JOINTS else sample_poses)(COUNT, SEED)
-
 
 def task(name: str, tensors: dict[str, NDArray]) -> Task:
     """What a `static.safetensors` holds. Raises ValueError where pixel cloth cannot learn it."""
@@ -97,18 +92,18 @@ class Relaxer:
         cls.maker = Maker(read(tensors)[0], steps=STEPS)
 
     @classmethod
-    def make(cls, path: Path, poses: list[Rotations]) -> Path:
-        entry = in_poses(cls.maker.bank, poses)
+    def make(cls, path: Path, number: int, is_upper: bool) -> None:
+        """One chunk, in poses of the upper body or of everything."""
+        entry = in_poses(cls.maker.bank, (upper_body_poses if is_upper else sample_poses)(CHUNK, SEED + number))
         keep(path, entry, *cls.maker.make(entry, CHUNK))
-        return path
 
 
 def relax(it: Task, tensors: dict[str, NDArray], seconds: float) -> Drapes:
     """The outfit relaxed in as many poses as time allows, on two cores; chunks that are there are kept."""
-    started, poses, paths = time.time(), it.poses(), it.files()
+    started, paths, is_upper = time.time(), it.files(), it.garment.joints == JOINTS
     missing = iter([k for k, path in enumerate(paths) if not path.exists()])
     with ProcessPoolExecutor(2, get_context("spawn"), Relaxer.start, (tensors,)) as pool:
-        submit = lambda k: pool.submit(Relaxer.make, paths[k], poses[k * CHUNK : (k + 1) * CHUNK])  # noqa: E731
+        submit = lambda k: pool.submit(Relaxer.make, paths[k], k, is_upper)  # noqa: E731
         running = {submit(k) for k, _ in zip(missing, range(2), strict=False)}
         while running:
             done = next(as_completed(running))

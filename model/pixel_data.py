@@ -1,8 +1,8 @@
 """Drapes that pixel cloth learns from: `python -m pixel_data --minutes 600`, or `--device cuda --batch 256`.
 
-The T-shirt of the method on the reference body in sampled poses of the upper body (Jin et al. 2020, section 6),
-relaxed to the least energy of the cloth (`relax.py`). Seeded; chunks that are there already are kept, so a run can be
-stopped, and several runs with different `--part` share the work.
+The T-shirt of the method, or with `--garment tie` its necktie, on the reference body in sampled poses of the upper body
+(Jin et al. 2020, section 6), relaxed to the least energy of the cloth (`relax.py`). Seeded; chunks that are there
+already are kept, so a run can be stopped, and several runs with different `--part` share the work.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import argparse
 import os
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from itertools import islice
 from multiprocessing import get_context
 from pathlib import Path
@@ -23,6 +23,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+import outfits.necktie
 from body.anny_body import AnnyBody
 from body.humanoid import Rotations
 from devices import on
@@ -42,6 +43,8 @@ DENSITY = 3000
 COUNT, CHUNK, SEED = 5120, 64, 9_001
 #: Steps of a relaxation, as of `garnet_data`.
 STEPS = 640
+#: m from the body at which cloth neither lies on it nor is held by it.
+FREE = 0.05
 #: Every tenth drape each is for validation and for the test (section 6.3: 80/10/10).
 SPLITS = {"train": range(8), "validation": range(8, 9), "test": range(9, 10)}
 
@@ -71,6 +74,21 @@ def shirt(folder: Path = PIXEL, density: int = DENSITY) -> Sample:
     if not (folder / "tee.npz").exists():
         save(garnet_garment("tee", density), folder / "tee.npz")
     return load_sample(folder / "tee.npz")
+
+
+def necktie(folder: Path = PIXEL) -> Sample:
+    """The necktie, prepared; made where it is missing. Its knot is held where skinning puts it, the rest hangs free."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / "tie.npz").exists():
+        save(outfits.necktie.necktie(), folder / "tie.npz")
+    sample = load_sample(folder / "tie.npz")
+    height = sample.vertices[:, 1]
+    knot = torch.nonzero(height > height.max() - outfits.necktie.KNOT)[:, 0]
+    return replace(sample, held=knot, distance=torch.full_like(sample.distance, FREE))
+
+
+#: Garments by name.
+GARMENTS: dict[str, Callable[[Path], Sample]] = {"tee": shirt, "tie": necktie}
 
 
 def in_poses(bank: BodyBank, poses: list[Rotations]) -> ShapedPoses:
@@ -115,16 +133,17 @@ def keep(path: Path, entry: ShapedPoses, x: NDArray[np.float32], found: list[Jud
     part.rename(path)
 
 
-def files(out: Path = PIXEL) -> Iterator[Path]:
+def files(out: Path = PIXEL, garment: str = "tee") -> Iterator[Path]:
     """Where each chunk lies, in the order of the poses."""
-    yield from (out / "tee" / f"{k:03d}.npz" for k in range(COUNT // CHUNK))
+    yield from (out / garment / f"{k:03d}.npz" for k in range(COUNT // CHUNK))
 
 
-def load(split: str, out: Path = PIXEL) -> Drapes:
+def load(split: str, out: Path = PIXEL, garment: str = "tee") -> Drapes:
     """Every good drape of a split that is there. Raises FileNotFoundError when there is none."""
-    if not any(path.exists() for path in files(out)):
-        raise FileNotFoundError(f"no drapes under {out}: run `python -m pixel_data` first")
-    return good(list(files(out)), CHUNK).of(split)
+    paths = list(files(out, garment))
+    if not any(path.exists() for path in paths):
+        raise FileNotFoundError(f"no drapes of the {garment} under {out}: run `python -m pixel_data` first")
+    return good(paths, CHUNK).of(split)
 
 
 def good(paths: list[Path], chunk: int) -> Drapes:
@@ -140,6 +159,7 @@ def good(paths: list[Path], chunk: int) -> Drapes:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--garment", choices=list(GARMENTS), default="tee")
     p.add_argument("--minutes", type=float, default=60)
     p.add_argument("--part", type=int, default=0, help="which of every --parts chunks to make")
     p.add_argument("--parts", type=int, default=1)
@@ -148,9 +168,9 @@ def main() -> None:
     p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
     p.add_argument("--workers", type=int, default=1, help="processes that judge drapes")
     a = p.parse_args()
-    maker, started, faults = Maker(shirt(a.out), a.device, a.workers), time.time(), Counter()
+    maker, started, faults = Maker(GARMENTS[a.garment](a.out), a.device, a.workers), time.time(), Counter()
     poses = upper_body_poses(COUNT, SEED)
-    for k, path in islice(enumerate(files(a.out)), a.part, None, a.parts):
+    for k, path in islice(enumerate(files(a.out, a.garment)), a.part, None, a.parts):
         if time.time() - started > 60 * a.minutes:
             break
         if path.exists():

@@ -16,25 +16,30 @@ import train_deepsd
 from fabric import Fabric
 from garment.rest_mesh import hinges, rest_mesh
 from nets.deepsd import Sizes
-from pixel_data import Drapes, in_poses, load, shirt
+from pixel_data import Drapes, in_poses, load, necktie, shirt
 from pixel_filter import Filter, offsets_of
-from pixel_scenes import Carrier, Garment, draped, scenes
+from pixel_scenes import Garment, draped, scenes
 from relax import skinned
-from train_pixel import RUNS, Norm, answers, checkpoint, network
+from train_pixel import RUNS, TEE, Run, answers, checkpoint, garment_of, network
 from training_data import BodyBank, Sample
 
 #: The repository's DeePSD, by `python -m shipped`.
 SHIPPED = RUNS.parent / "shipped.pt"
-#: What is compared in section 8: name, loss, weight of the normals, carrier, patches.
-RUNS_OF_SECTION_8: tuple[tuple[str, Norm, float, Carrier, bool], ...] = (
-    ("L1 and normals (shipped)", "l1", 0.01, "reference", False),
-    ("L2 and normals", "l2", 0.01, "reference", False),
-    ("L1 alone", "l1", 0.0, "reference", False),
-    ("patches", "l1", 0.01, "reference", True),
-    ("too thin a body", "l1", 0.01, "thin", False),
-    ("too thick a body", "l1", 0.01, "thick", False),
-    ("rigid skinning", "l1", 0.01, "rigid", False),
+#: Networks of section 8, trained for the same number of steps.
+SECTION_8 = RUNS / "section_8"
+#: What they are.
+COMPARED: tuple[tuple[str, Run], ...] = (
+    ("L1 and normals", Run()),
+    ("L2 and normals", Run(loss="l2")),
+    ("L1 alone", Run(normals=0.0)),
+    ("patches", Run(patched=True)),
+    ("too thin a body", Run(carrier="thin")),
+    ("too thick a body", Run(carrier="thick")),
+    ("lagging skinning", Run(carrier="lagging")),
+    ("rigid skinning", Run(carrier="rigid")),
 )
+#: The necktie's network.
+NECKTIE = Run(garment="tie")
 
 
 def off(x: Tensor, truth: Tensor, triangles: Tensor) -> str:
@@ -46,10 +51,11 @@ def off(x: Tensor, truth: Tensor, triangles: Tensor) -> str:
 def section_8(sample: Sample, sets: dict[str, Drapes]) -> None:
     """Errors of every network that has been trained."""
     print("| | train cm | degrees | validation cm | degrees | test cm | degrees |\n|---|---:|---:|---:|---:|---:|---:|")
-    for name, *run in RUNS_OF_SECTION_8:
-        if (path := checkpoint(*run)).exists():
-            garment, net = trained(sample, path, run[3])
-            data = {k: scenes(garment, d, run[2]) for k, d in sets.items()}
+    rows = [("shipped", Run(), RUNS), *((name, run, SECTION_8) for name, run in COMPARED)]
+    for name, run, folder in rows:
+        if checkpoint(run, folder).exists():
+            garment, net = trained(sample, run, folder)
+            data = {k: scenes(garment, d, run.carrier) for k, d in sets.items()}
             cells = [off(answers(net, garment, s), s.truth, garment.triangles) for s in data.values()]
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
@@ -59,8 +65,8 @@ def sharpness(sample: Sample, sets: dict[str, Drapes]) -> None:
     drapes, mesh = sets["test"], rest_mesh(sample.vertices, sample.tables)
     around = torch.as_tensor(garnet_losses.neighbourhoods(sample.vertices.numpy(), 16))
     ways = {"skinning": _skinned(sample, drapes), "deepsd": deepsd(sample, drapes)}
-    if (path := checkpoint("l1", 0.01, "reference", False)).exists():
-        garment, net = trained(sample, path, False)
+    if checkpoint().exists():
+        garment, net = trained(sample)
         data = scenes(garment, drapes, "reference")
         ways["pixel cloth before the filter"] = answers(net, garment, data)
         smooth = filter_of(net, garment, sets)
@@ -83,9 +89,9 @@ def filter_of(net: torch.nn.Module, garment: Garment, sets: dict[str, Drapes]) -
 
 def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
     """Patches before and after the filter, and how neighbours turn across their seams and elsewhere."""
-    if not (path := checkpoint("l1", 0.01, "reference", True)).exists():
+    if not checkpoint(Run(patched=True), SECTION_8).exists():
         return
-    garment, net = trained(sample, path, True)
+    garment, net = trained(sample, Run(patched=True), SECTION_8)
     whole = Garment.of(sample)
     said = {k: answers(net, garment, scenes(garment, d, "reference")) for k, d in sets.items() if k != "train"}
     data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
@@ -122,10 +128,12 @@ def speed(sample: Sample) -> None:
     print(f"decoder: {1e3 * float(np.median(times)):.1f} ms on one core")
 
 
-def trained(sample: Sample, path: Path, patched: bool) -> tuple[Garment, torch.nn.Module]:
-    garment = Garment.of(sample, patched)
+def trained(sample: Sample, run: Run = TEE, folder: Path = RUNS) -> tuple[Garment, torch.nn.Module]:
+    """A run's garment and network."""
+    garment = garment_of(run, sample)
     net = network(garment)
-    net.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in torch.load(path).items()})
+    kept = torch.load(checkpoint(run, folder))
+    net.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in kept.items()})
     return garment, net.eval()
 
 
@@ -144,6 +152,23 @@ def _skinned(sample: Sample, drapes: Drapes) -> Tensor:
     return skinned(sample, sample.vertices.expand(len(drapes.x), -1, -1), drapes.transforms).posed
 
 
+def tie() -> None:
+    """The necktie of section 8.4: how far it is from its pixels on the body, and errors."""
+    if not checkpoint(NECKTIE).exists():
+        return
+    sample = necktie()
+    garment, net = trained(sample, NECKTIE)
+    print("| necktie | drapes | from the body cm, mean | most | skinning cm | network cm | degrees |")
+    print("|---|---:|---:|---:|---:|---:|---:|")
+    for split in ("train", "validation", "test"):
+        drapes = load(split, garment="tie")
+        data = scenes(garment, drapes, "reference")
+        away = 100 * data.offsets.norm(dim=-1)
+        rigid = 100 * (_skinned(sample, drapes) - drapes.x).norm(dim=-1).mean().item()
+        cells = [str(len(drapes.x)), f"{away.mean():.1f}", f"{away.max():.0f}", f"{rigid:.2f}"]
+        print(f"| {split} | {' | '.join(cells)} | {off(answers(net, garment, data), data.truth, garment.triangles)} |")
+
+
 def tables() -> None:
     sample = shirt()
     sets = {split: load(split) for split in ("train", "validation", "test")}
@@ -153,5 +178,7 @@ def tables() -> None:
     sharpness(sample, sets)
     print()
     patches(sample, sets)
+    print()
+    tie()
     print()
     speed(sample)

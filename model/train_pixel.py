@@ -5,6 +5,7 @@ python -m train_pixel --minutes 6 --device cuda --batch 64
 python -m train_pixel --minutes 60 --loss l2 --normals 0       # section 8.1
 python -m train_pixel --minutes 60 --carrier thin              # section 8.2
 python -m train_pixel --minutes 60 --patches                   # section 8.3
+python -m train_pixel --minutes 30 --garment tie               # section 8.4
 """
 
 from __future__ import annotations
@@ -23,9 +24,12 @@ from torch import Tensor, nn
 import garnet_losses
 from devices import on
 from garment import nearest
+from garment.cloth_image import Panel
+from garment.flat import flattened
 from nets.pixel_cloth import OFFSET_UNIT, PixelCloth, Sizes, at_sites, of_mask
-from pixel_data import PIXEL, load, shirt
+from pixel_data import GARMENTS, PIXEL, load
 from pixel_scenes import PATCH_SIZE, Carrier, Garment, Scenes, draped, pixels, scenes
+from training_data import Sample
 
 RUNS = Path(__file__).parent / "runs" / "pixel"
 Norm = Literal["l1", "l2"]
@@ -101,15 +105,39 @@ def measures(x: Tensor, garment: Garment, data: Scenes) -> dict[str, float]:
     }
 
 
-def checkpoint(loss: Norm, normals: float, carrier: Carrier, patched: bool, folder: Path = RUNS) -> Path:
+@dataclass(frozen=True)
+class Run:
+    """Which network a run trains."""
+
+    loss: Norm = "l1"
+    normals: float = Settings.normals
+    carrier: Carrier = "reference"
+    patched: bool = False
+    garment: str = "tee"
+
+
+#: The network that ships.
+TEE = Run()
+
+
+def checkpoint(run: Run = TEE, folder: Path = RUNS) -> Path:
     """Where a run's weights lie."""
+    loss, normals, carrier, patched = run.loss, run.normals, run.carrier, run.patched
     parts = (
-        "tee",
+        run.garment,
         "patches" if patched else "",
         "" if carrier == "reference" else carrier,
         loss if normals else f"{loss}_only",
     )
     return folder / f"{'_'.join(filter(None, parts))}.pt"
+
+
+def garment_of(run: Run, sample: Sample) -> Garment:
+    """The garment of a run, in its images."""
+    if run.garment == "tee":
+        return Garment.of(sample, run.patched)
+    v, t = sample.vertices.double().numpy(), sample.tables[2].numpy()
+    return Garment.laid(sample, [Panel(np.arange(len(v)), t, flattened(v, t))])
 
 
 def network(garment: Garment) -> PixelCloth:
@@ -122,6 +150,7 @@ def network(garment: Garment) -> PixelCloth:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--garment", choices=list(GARMENTS), default="tee")
     p.add_argument("--minutes", type=float, default=240)
     p.add_argument("--steps", type=int, default=Settings.steps, help="stop after this many, if time is left")
     p.add_argument("--loss", choices=get_args(Norm), default="l1")
@@ -134,9 +163,11 @@ def main() -> None:
     p.add_argument("--batch", type=int, default=Settings.batch, help="drapes a step: 8 for two cores, 64 for a GPU")
     a = p.parse_args()
     torch.manual_seed(0)
-    sample = shirt(a.drapes)
-    garment = on(Garment.of(sample, a.patches), a.device)
-    drapes = {"train": load("train", a.drapes).with_mirrored(sample), "validation": load("validation", a.drapes)}
+    run = Run(a.loss, a.normals, a.carrier, a.patches, a.garment)
+    sample = GARMENTS[a.garment](a.drapes)
+    garment = on(garment_of(run, sample), a.device)
+    drapes = {split: load(split, a.drapes, a.garment) for split in ("train", "validation")}
+    drapes["train"] = drapes["train"].with_mirrored(sample)
     sets = {split: scenes(garment, d, a.carrier, a.device) for split, d in drapes.items()}
     print(f"{len(sets['train'])} drapes, {len(sets['validation'])} to validate", flush=True)
     net = network(garment).to(a.device)
@@ -144,7 +175,7 @@ def main() -> None:
     for name, data in sets.items():
         print(json.dumps({name: measures(answers(net, garment, data), garment, data)}), flush=True)
     a.out.mkdir(parents=True, exist_ok=True)
-    torch.save(net.cpu().state_dict(), checkpoint(a.loss, a.normals, a.carrier, a.patches, a.out))
+    torch.save(net.cpu().state_dict(), checkpoint(run, a.out))
 
 
 if __name__ == "__main__":

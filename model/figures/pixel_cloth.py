@@ -17,7 +17,7 @@ from pixel_data import Drapes, load, shirt
 from pixel_filter import offsets_of
 from pixel_scenes import Scenes, draped, scenes
 from pixel_tables import deepsd, filter_of, trained
-from train_pixel import answers, checkpoint
+from train_pixel import answers
 
 from .drawing import CLOTH, Drawn, cell, grid
 
@@ -36,7 +36,7 @@ def bodies(drapes: Drapes) -> Tensor:
 def ways(data: Scenes, sets: dict[str, Drapes], some: Drapes) -> list[Tensor]:
     """Cloth of every column, (D, N, 3) each."""
     sample = shirt()
-    garment, net = trained(sample, checkpoint("l1", 0.01, "reference", False), False)
+    garment, net = trained(sample)
     said = answers(net, garment, data)
     filtered = draped(filter_of(net, garment, sets).apply(offsets_of(said, garment, data)), garment, data)
     return [draped(torch.zeros_like(data.offsets), garment, data), deepsd(sample, some), said, filtered, some.x]
@@ -51,7 +51,7 @@ def main() -> None:
     test = sets["test"]
     rows = torch.linspace(0, len(test.x) - 1, a.rows + 2)[1:-1].long()
     some = Drapes(test.x[rows], test.transforms[rows], test.number[rows])
-    garment, _ = trained(shirt(), checkpoint("l1", 0.01, "reference", False), False)
+    garment, _ = trained(shirt())
     columns = ways(scenes(garment, some, "reference"), sets, some)
     skin, faces = bodies(some).numpy(), AnnyBody.load().triangles
     cloth = garment.triangles.numpy()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
@@ -11,12 +13,12 @@ from torch import Tensor
 import train_pixel
 from export import ARTIFACTS
 from nets.pixel_cloth import PixelCloth, Sizes, at_sites
-from pixel_data import COUNT, Drapes, in_poses, shirt
+from pixel_data import COUNT, Drapes, Maker, in_poses, necktie, shirt
 from pixel_filter import Filter, offsets_of
 from pixel_poses import POSE, pose_matrices, upper_body_poses
 from pixel_scenes import Garment, Scenes, draped, pixels, scenes
 from relax import skinned
-from train_pixel import Settings
+from train_pixel import Run, Settings, garment_of
 from training_data import BodyBank, Sample, ShapedPoses
 
 
@@ -121,6 +123,19 @@ def test_a_mirror_shows_the_cloth_on_the_mirrored_body(garment: Garment, tee: Sa
     one, other = (scenes(garment, d, "reference") for d in (drapes, mirrored))
     away = [(s.truth[:, garment.vertex] - s.places).norm(dim=-1).mean(1) for s in (one, other)]
     assert torch.allclose(*away, rtol=0.05), "the body does not stand where its cloth is"
+
+
+def test_a_necktie_hangs_from_its_knot(tmp_path: Path) -> None:
+    tie, bank = necktie(tmp_path), BodyBank(0, 0, 0)
+    bowed = in_poses(bank, [{"spine": np.array([0.3, 0, 0, 0.954])}])
+    x, _ = Maker(tie, steps=60).make(bowed, 1)
+    worn = skinned(tie, tie.vertices[None], bowed.transforms).posed
+    moved = (torch.as_tensor(x) - worn).norm(dim=-1)[0]
+    assert moved[tie.held].max() < 0.01
+    point = tie.vertices[:, 1].argmin()
+    assert moved[point] > 0.05, "the point does not leave the belly of a body that bows"
+    garment = garment_of(Run(garment="tie"), tie)
+    assert (garment.images, len(garment.vertex)) == (1, len(tie.vertices))
 
 
 def test_training_lowers_the_error(garment: Garment, data: Scenes) -> None:
