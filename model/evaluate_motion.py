@@ -1,0 +1,125 @@
+"""How near pixel cloth comes to drapes in captured movement: `python -m evaluate_motion FILE.bvh --frames 24`.
+
+Frames spread over a clip, the T-shirt relaxed in each as for training (`pixel_data`), beside skinning and DeePSD (Jin
+et al. 2020, Figure 15). The legs stand still, as in training; frames in which the body meets itself are left out. With
+--save, also a picture of some frames.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from body import quaternions as qt
+from body.anny_body import AnnyBody
+from body.clearance import sample_bodies
+from body.motion_capture import Clip, read_bvh, retargeted
+from body.pose_sampling import cleared
+from body.posture import SIDES, arm
+from pixel_data import Drapes, Maker, in_poses, load, shirt
+from pixel_filter import offsets_of
+from pixel_poses import LEGS
+from pixel_scenes import draped, scenes
+from pixel_tables import deepsd, filter_of, off, trained
+from relax import skinned
+from teacher.checks import Limits
+from train_pixel import answers
+from training_data import Sample
+
+Pose = dict[str, np.ndarray]
+#: Frames tried for each that is wanted, because some are left out.
+TRIED = 4
+#: Joints that stand still.
+STILL = (*LEGS, "leftFoot", "rightFoot")
+
+
+def frames(clip: Clip, count: int) -> list[Pose]:
+    """`count` poses spread over a clip, or all that there are; arms are lifted where they are too near the trunk."""
+    rate = min(1 / clip.seconds, TRIED * count / (len(clip.turns) * clip.seconds))
+    tried = [{k: q for k, q in pose.items() if k not in STILL} for pose in retargeted(clip, rate)]
+    # Of the reference body alone, which is what drapes are on: a heavy one would have its arms lifted further.
+    found = [(pose, cleared(pose, sample_bodies()[:1])) for pose in tried]
+    kept = [(before, after) for before, after in found if after is not None]
+    if not kept:
+        raise ValueError("the body meets itself in every frame")
+    count = min(count, len(kept))
+    # The middle of each stretch, because the first frame of many a clip is the rest pose.
+    some = [kept[int((k + 0.5) * len(kept) / count)] for k in range(count)]
+    lifts = np.array([[lift(*poses, side) for side in SIDES] for poses in some])
+    dropped = f"{len(tried)} tried, {len(tried) - len(kept)} dropped as the body meets itself, {count} used"
+    lifted = f"{(lifts > 1).sum()} of {lifts.size} arms lifted, all of them by {lifts.mean():.1f} degrees on average"
+    print(f"{len(clip.turns)} frames of {1e3 * clip.seconds:.1f} ms: {dropped}; {lifted}, {lifts.max():.0f} at most")
+    return [after for _, after in some]
+
+
+def lift(before: Pose, after: Pose, side: str) -> float:
+    """Degrees between an upper arm in two poses."""
+    turned = qt.multiply(qt.inverse(before[arm(side).upper]), after[arm(side).upper])
+    return float(np.degrees(2 * np.arctan2(np.linalg.norm(turned[:3]), abs(turned[3]))))
+
+
+def relaxed(poses: list[Pose], device: str, batch: int) -> tuple[Sample, Drapes]:
+    """The T-shirt in poses, without drapes that are at fault."""
+    maker = Maker(shirt(), device)
+    entry = in_poses(maker.bank, poses)
+    x, found = maker.make(entry, batch)
+    faults = [j.fault(Limits()) for j in found]
+    rows = torch.tensor([k for k, fault in enumerate(faults) if fault is None], dtype=torch.long)
+    print(f"{len(rows)} drapes good, the others: {', '.join(filter(None, faults)) or 'none'}")
+    return maker.sample, Drapes(torch.as_tensor(x)[rows], entry.transforms[rows], rows)
+
+
+@torch.no_grad()
+def ways(sample: Sample, drapes: Drapes) -> dict[str, Tensor]:
+    """Cloth of every way to drape, (D, N, 3) each, before any resolve."""
+    garment, net = trained(sample)
+    data = scenes(garment, drapes, "reference")
+    smooth = filter_of(net, garment, {split: load(split) for split in ("train", "validation")})
+    offsets = smooth.apply(offsets_of(answers(net, garment, data), garment, data))
+    rest = sample.vertices.expand(len(drapes.x), -1, -1)
+    return {
+        "skinning": skinned(sample, rest, drapes.transforms).posed,
+        "deepsd": deepsd(sample, drapes),
+        f"pixel_cloth, {len(smooth.components)} components": draped(offsets, garment, data),
+    }
+
+
+def picture(path: Path, sample: Sample, drapes: Drapes, found: dict[str, Tensor], rows: int) -> None:
+    """Some drapes, one a row, every way beside the relaxed cloth."""
+    # Drawing is not among what training needs.
+    from figures.drawing import CLOTH, Drawn, cell, grid
+    from figures.pixel_cloth import bodies
+
+    some = np.linspace(0, len(drapes.x) - 1, min(rows, len(drapes.x))).astype(int)
+    skin, faces, cloth = bodies(drapes).numpy(), AnnyBody.load().triangles, sample.tables[2].numpy()
+    columns = {**found, "relaxed": drapes.x}
+    dressed = lambda k, x: cell([Drawn(skin[k], faces), Drawn(x[k].numpy(), cloth, CLOTH[0])])  # noqa: E731
+    path.parent.mkdir(parents=True, exist_ok=True)
+    grid([[dressed(k, x) for x in columns.values()] for k in some], tuple(columns)).save(path)
+    print(path)
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("clip", type=Path, metavar="FILE.bvh")
+    p.add_argument("--frames", type=int, default=24)
+    p.add_argument("--device", default="cpu", help="what drapes are relaxed on")
+    p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
+    p.add_argument("--save", type=Path, metavar="DIR", help="where to put a picture of some frames")
+    a = p.parse_args()
+    sample, drapes = relaxed(frames(read_bvh(a.clip.read_text()), a.frames), a.device, a.batch)
+    found = ways(sample, drapes)
+    print("\n| | error cm | degrees |\n|---|---:|---:|")
+    for name, x in found.items():
+        print(f"| {name} | {off(x, drapes.x, sample.tables[2])} |")
+    if a.save:
+        picture(a.save / f"{a.clip.stem}.png", sample, drapes, found, 6)
+
+
+if __name__ == "__main__":
+    torch.set_num_threads(1)
+    main()
