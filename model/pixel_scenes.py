@@ -102,11 +102,17 @@ def scenes(garment: Garment, drapes: Drapes, carrier: Carrier, device: str = "cp
     for rows in torch.arange(len(drapes.x), device=device).split(BATCH):
         moved = (skin @ drapes.transforms[rows].flatten(2)).unflatten(2, (3, 4))
         body = (moved[..., :3] @ rest[..., None])[..., 0] + moved[..., 3]
-        places = garment.frames.places(body)
-        axes = garment.frames.axes(body, nearest.vertex_normals(body, triangles))
-        offsets = (axes.transpose(-2, -1) @ (drapes.x[rows][:, garment.vertex] - places)[..., None])[..., 0]
-        parts.append((pose_matrices(drapes.transforms[rows], garment.joints), places, axes, offsets, drapes.x[rows]))
-    return Scenes(*(torch.cat(column) for column in zip(*parts, strict=True)))
+        parts.append(
+            on_body(garment, drapes.transforms[rows], body, nearest.vertex_normals(body, triangles), drapes.x[rows])
+        )
+    return Scenes(*(torch.cat([getattr(part, f.name) for part in parts]) for f in fields(Scenes)))
+
+
+def on_body(garment: Garment, transforms: Tensor, body: Tensor, normals: Tensor, x: Tensor) -> Scenes:
+    """Drapes x (P, N, 3) on any body: its joints' transforms (P, 36, 3, 4), its vertices and normals (P, V, 3)."""
+    places, axes = garment.frames.places(body), garment.frames.axes(body, normals)
+    offsets = (axes.transpose(-2, -1) @ (x[:, garment.vertex] - places)[..., None])[..., 0]
+    return Scenes(pose_matrices(transforms, garment.joints), places, axes, offsets, x)
 
 
 def _carrier(carrier: Carrier) -> tuple[np.ndarray, np.ndarray]:

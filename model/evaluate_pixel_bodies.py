@@ -1,0 +1,64 @@
+"""How far pixel cloth holds on bodies that it was not trained on: `python -m evaluate_pixel_bodies`.
+
+The T-shirt carried to each body of the evaluation set, relaxed there in poses of the upper body that training did not
+have, and what skinning, DeePSD and pixel cloth say of it, before any resolve. Pixel cloth's offsets are those of the
+reference body; the pixels go with the skin.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+import torch
+
+import train_deepsd
+from body.anny_body import AnnyBody
+from export import ARTIFACTS
+from nets.deepsd import Sizes
+from pixel_data import Maker, load, shirt
+from pixel_filter import offsets_of
+from pixel_poses import upper_body_poses
+from pixel_scenes import draped, on_body
+from pixel_tables import SHIPPED, filter_of, off, trained
+from relax import skinned
+from teacher.checks import Limits
+from train_pixel import answers
+from training_data import carry
+
+SEED = 77_001
+
+
+@torch.no_grad()
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--poses", type=int, default=6)
+    a = p.parse_args()
+    maker, poses = Maker(shirt()), upper_body_poses(a.poses, SEED)
+    sample, bank, body = maker.sample, maker.bank, AnnyBody.load()
+    garment, net = trained(sample)
+    smooth = filter_of(net, garment, {split: load(split) for split in ("train", "validation")})
+    shared = train_deepsd.DeePSD(Sizes())
+    shared.load_state_dict(torch.load(SHIPPED)["net"])
+    print("| body | drapes | skinning cm | degrees | deepsd cm | degrees | pixel cloth cm | degrees |")
+    print("|---|---:|---:|---:|---:|---:|---:|---:|")
+    for shape in json.loads((ARTIFACTS / "evaluation.json").read_text())["bodies"]:
+        entry = bank.random_entry(body, (shape["values"], {}), poses)
+        x, found = maker.make(entry, 8)
+        good = torch.tensor([j.fault(Limits()) is None for j in found])
+        truth, every = torch.as_tensor(x), torch.arange(a.poses)
+        rest, _ = carry(sample, bank, entry)
+        data = on_body(garment, entry.transforms, entry.vertices, entry.normals, truth)
+        ways = [
+            skinned(sample, rest.expand_as(truth), entry.transforms).posed,
+            train_deepsd.drape(shared.eval(), sample, rest, entry, every, bank.parents).posed,
+            draped(smooth.apply(offsets_of(answers(net, garment, data), garment, data)), garment, data),
+        ]
+        name = ", ".join(f"{k} {v}" for k, v in shape["values"].items()) or "reference"
+        cells = " | ".join(off(way[good], truth[good], garment.triangles) for way in ways)
+        print(f"| {name} | {int(good.sum())} | {cells} |", flush=True)
+
+
+if __name__ == "__main__":
+    torch.set_num_threads(1)
+    main()
