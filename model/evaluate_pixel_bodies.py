@@ -29,7 +29,6 @@ from training_data import carry
 SEED = 77_001
 
 
-@torch.no_grad()
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--poses", type=int, default=6)
@@ -49,11 +48,12 @@ def main() -> None:
         truth, every = torch.as_tensor(x), torch.arange(a.poses)
         rest, _ = carry(sample, bank, entry)
         data = on_body(garment, entry.transforms, entry.vertices, entry.normals, truth)
-        ways = [
-            skinned(sample, rest.expand_as(truth), entry.transforms).posed,
-            train_deepsd.drape(shared.eval(), sample, rest, entry, every, bank.parents).posed,
-            draped(smooth.apply(offsets_of(answers(net, garment, data), garment, data)), garment, data),
-        ]
+        with torch.no_grad():
+            ways = [
+                skinned(sample, rest.expand_as(truth), entry.transforms).posed,
+                train_deepsd.drape(shared.eval(), sample, rest, entry, every, bank.parents).posed,
+                draped(smooth.apply(offsets_of(answers(net, garment, data), garment, data)), garment, data),
+            ]
         name = ", ".join(f"{k} {v}" for k, v in shape["values"].items()) or "reference"
         cells = " | ".join(off(way[good], truth[good], garment.triangles) for way in ways)
         print(f"| {name} | {int(good.sum())} | {cells} |", flush=True)
