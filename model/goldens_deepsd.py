@@ -32,13 +32,20 @@ POSES = ("walk-2", "sitting")
 SHAPE = {"gender": 1.0, "weight": 0.7, "height": 0.4}
 
 
-def reference_entry(body: AnnyBody, bank: BodyBank, still: tuple[str, ...] = ()) -> ShapedPoses:
-    """The golden body in the golden poses, some joints left out of them."""
+def reference_entry(body: AnnyBody, bank: BodyBank) -> ShapedPoses:
+    """The golden body in the golden poses."""
+    return in_golden_poses(body, bank, SHAPE)
+
+
+def in_golden_poses(
+    body: AnnyBody, bank: BodyBank, shape: dict[str, float], still: tuple[str, ...] = ()
+) -> ShapedPoses:
+    """A body in the golden poses, some joints left out of them."""
     library = {p["id"]: p for p in json.loads((OUT.parents[1] / "poses.json").read_text())["poses"]}
-    shaped = body.shape(SHAPE)
+    shaped = body.shape(shape)
     poses = [{k: q for k, q in library[name]["rotations"].items() if k not in still} for name in POSES]
     worlds = [posed_world(body, shaped, pose) for pose in poses]
-    return bank.entry(body, (SHAPE, {}), shaped, worlds)
+    return bank.entry(body, (shape, {}), shaped, worlds)
 
 
 def small_bank(body: AnnyBody) -> BodyBank:

@@ -1,7 +1,7 @@
 """Golden vectors of pixel cloth that the Rust tests replay: `python -m goldens_pixel`.
 
-The T-shirt on one body in two preset poses: what the network sees of them and posed vertices (before the resolve) by
-the exported network, all computed here, into artifacts/golden/pixel_cloth.safetensors.
+The T-shirt on the reference body in two preset poses, its legs standing: what the network sees of them and posed
+vertices (before the resolve) by the exported network, all computed here, into artifacts/golden/pixel_cloth.safetensors.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from safetensors.numpy import load_file, save_file
 from body.anny_body import AnnyBody
 from export import ARTIFACTS, run_onnx
 from export_pixel import METHOD, NAME
-from goldens_deepsd import POSES, SHAPE, reference_entry, small_bank
+from goldens_deepsd import POSES, in_golden_poses, small_bank
 from nets.pixel_cloth import at_sites, vertices
 from pixel_data import shirt
 from pixel_filter import Filter
@@ -45,11 +45,11 @@ def tensors(sample: Sample, entry: ShapedPoses) -> dict[str, np.ndarray]:
 
 def main() -> None:
     body = AnnyBody.load()
-    data = tensors(shirt(), reference_entry(body, small_bank(body), LEGS))
+    data = tensors(shirt(), in_golden_poses(body, small_bank(body), {}, LEGS))
     save_file(
         {k: np.ascontiguousarray(v) for k, v in data.items()},
         OUT,
-        {"poses": json.dumps(POSES), "shape": json.dumps(SHAPE)},
+        {"poses": json.dumps(POSES)},
     )
     print({k: v.shape for k, v in data.items()})
 

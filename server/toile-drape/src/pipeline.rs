@@ -143,6 +143,7 @@ pub fn drape(
         shape: &request.motion.shape,
         body: &studio.body,
         shaped: &shaped,
+        reference: &studio.reference_body,
         poses: &request.motion.poses,
         transforms: &posed.transforms,
         parents: &studio.garment_parents,

@@ -25,6 +25,8 @@ pub struct Studio {
     pub body: Body,
     /// The reference body's surface.
     pub reference: ReferenceBody,
+    /// The reference body in the A-pose.
+    pub reference_body: ShapedBody,
     /// Points of the body that networks see.
     pub seen: SeenPoints,
     /// Garments that have a pixel-cloth network.
@@ -46,12 +48,14 @@ impl Studio {
     /// When the body's skeleton lacks a limb joint.
     pub fn new(body: Body, heroes: Vec<Hero>) -> Result<Arc<Self>, DrapeError> {
         let reference = ReferenceBody::new(&body)?;
-        let arm_room = ArmRoom::new(&body, &body.shape(&BodyShape::default()), Arc::clone(&reference.parts));
+        let reference_body = body.shape(&BodyShape::default());
+        let arm_room = ArmRoom::new(&body, &reference_body, Arc::clone(&reference.parts));
         let seen = SeenPoints::of(&reference.vertices);
         let garment_parents = body.skeleton().garment_parents().to_vec();
         Ok(Arc::new(Self {
             body,
             reference,
+            reference_body,
             seen,
             heroes,
             arm_room,

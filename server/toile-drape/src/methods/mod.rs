@@ -107,6 +107,8 @@ pub struct Wearer<'a> {
     pub body: &'a Body,
     /// The body in the A-pose.
     pub shaped: &'a ShapedBody,
+    /// The reference body in the A-pose.
+    pub reference: &'a ShapedBody,
     /// One a frame.
     pub poses: &'a [Pose],
     /// For each frame the garment joints' world-from-A-pose transforms.
