@@ -40,9 +40,8 @@ def main() -> None:
     smooth = filter_of(net, garment, {split: load(split) for split in ("train", "validation")})
     shared = train_deepsd.DeePSD(Sizes())
     shared.load_state_dict(torch.load(SHIPPED)["net"])
-    print(
-        "| body | drapes | skinning cm | degrees | deepsd cm | degrees | pixels on it cm | degrees | served cm | degrees |"
-    )
+    ways = ("skinning", "deepsd", "pixels on it", "served")
+    print(f"| body | drapes | {' | '.join(f'{way} cm | degrees' for way in ways)} |")
     print("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|")
     beyond = torch.zeros(0)
     for shape in json.loads((ARTIFACTS / "evaluation.json").read_text())["bodies"]:
@@ -58,9 +57,9 @@ def main() -> None:
             offsets = smooth.apply(offsets_of(answers(net, garment, data), garment, data))
             by_pixels = draped(offsets, garment, data)
         beyond = by_pixels - by_deepsd if not shape["values"] else beyond  # the reference body comes first
-        ways = [bare, by_deepsd, by_pixels, by_deepsd + beyond]
+        found_by = [bare, by_deepsd, by_pixels, by_deepsd + beyond]
         name = ", ".join(f"{k} {v}" for k, v in shape["values"].items()) or "reference"
-        cells = " | ".join(off(way[good], truth[good], garment.triangles) for way in ways)
+        cells = " | ".join(off(way[good], truth[good], garment.triangles) for way in found_by)
         print(f"| {name} | {int(good.sum())} | {cells} |", flush=True)
 
 
