@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from safetensors.numpy import load, save
 
 import export_pixel
-from bake import tell
+from bake import metadata, tell
 from body.pose_sampling import sample_poses
 from garment.binding import garment_joint_names
 from garment.mirror import asymmetry, opposite
@@ -176,7 +176,12 @@ def main() -> None:
     started = time.time()
     made = relax(it, tensors, 60 * MAKING * a.minutes)
     left = max(1.0, a.minutes - (time.time() - started) / 60)
-    print(service.ask("PUT", "hero", hero(it, made, started, Settings(left))).decode())
+    file = hero(it, made, started, Settings(left))
+    report = json.loads(metadata(file)["report"])
+    print(json.dumps(report))
+    if report["pixel_cloth_cm"] >= report["deepsd_cm"]:
+        raise SystemExit("Not nearer than deepsd, so the server keeps that. Run it again: it goes on with the drapes.")
+    service.ask("PUT", "hero", file)
 
 
 if __name__ == "__main__":
