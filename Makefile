@@ -66,7 +66,7 @@ tools:
 	@missing=0; \
 	need() { if ! eval "$$2" >/dev/null 2>&1; then echo "missing: $$1. $$3" >&2; missing=1; fi; }; \
 	need "cargo (Rust 1.88 or newer)" "command -v cargo" "Get it from https://rustup.rs"; \
-	need "a C compiler" "command -v cc" "On Debian or Ubuntu: apt-get install build-essential"; \
+	need "a C and a C++ compiler" "command -v cc && command -v c++" "On Debian or Ubuntu: apt-get install build-essential"; \
 	need "python3 (3.11 or newer)" "python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))'" \
 		"On Debian or Ubuntu: apt-get install python3; or from https://www.python.org"; \
 	need "python3's venv" "python3 -c 'import venv, ensurepip'" "On Debian or Ubuntu: apt-get install python3-venv"; \
@@ -149,6 +149,7 @@ thumbnails: build chromium $(BROWSER_MODULES)
 
 pictures: build chromium $(BROWSER_MODULES)
 	tests/with-server.sh $(TOILE) node tests/browser/draw_pictures.js
+	tests/with-server.sh $(TOILE) node tests/browser/draw_normal_map.js
 
 chromium:
 	@command -v chromium >/dev/null || { \

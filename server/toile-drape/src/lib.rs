@@ -17,6 +17,7 @@ pub mod layer_contact;
 pub mod layers;
 pub mod methods;
 pub mod network;
+pub mod normal_map;
 pub mod ornaments;
 pub mod outfit;
 pub mod outfit_build;

@@ -51,7 +51,8 @@ pub(super) fn find(soup: &Soup) -> Vec<Component> {
     components
 }
 
-fn unite(parent: &mut [u32], a: u32, b: u32) {
+/// Makes one piece of two vertices' pieces.
+pub(crate) fn unite(parent: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root_of(parent, a), root_of(parent, b));
     if let Some(slot) = parent.get_mut(a.max(b) as usize) {
         *slot = a.min(b);
@@ -59,7 +60,7 @@ fn unite(parent: &mut [u32], a: u32, b: u32) {
 }
 
 /// Follows parents to the root, halving the path.
-fn root_of(parent: &mut [u32], mut vertex: u32) -> u32 {
+pub(crate) fn root_of(parent: &mut [u32], mut vertex: u32) -> u32 {
     while let Some(&up) = parent.get(vertex as usize).filter(|up| **up != vertex) {
         let grandparent = parent.get(up as usize).copied().unwrap_or(up);
         if let Some(slot) = parent.get_mut(vertex as usize) {

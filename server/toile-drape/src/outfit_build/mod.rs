@@ -3,7 +3,7 @@
 //! The line: weld → drop bad faces → place on the body → orient → components → garments → layers → outfit.
 
 mod assemble;
-mod components;
+pub(crate) mod components;
 mod error;
 mod faces;
 mod garments;
