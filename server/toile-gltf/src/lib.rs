@@ -10,6 +10,6 @@ pub use crate::read::{
     Format, Hints, MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, ReadError, Units, Up, preflight, read,
 };
 pub use crate::write::{
-    BodyTemplate, FrameView, OutfitTemplate, Scene, WriteError, vertex_strain, write_body, write_drape,
-    write_rest,
+    BodyTemplate, FrameView, OutfitTemplate, Relief, Scene, WriteError, vertex_strain, write_body,
+    write_drape, write_relief, write_rest,
 };

@@ -21,6 +21,9 @@ pub enum WriteError {
     /// There is no frame, nothing to show in it, or the frame rate is not positive.
     #[error("the scene has {0}")]
     EmptyScene(&'static str),
+    /// A normal map is not as large as it says.
+    #[error("a normal map cannot be written: {0}")]
+    Picture(String),
     /// GLB lengths are 32-bit.
     #[error("the GLB would be {0} bytes, more than a GLB can hold")]
     TooLarge(usize),

@@ -17,6 +17,7 @@ compile_error!("GLB is little-endian and buffers are written as they lie in memo
 /// A piece of the binary chunk, borrowed where it was prepared beforehand.
 pub(super) enum Piece<'a> {
     Bytes(&'a [u8]),
+    Owned(Vec<u8>),
     Vectors(Vec<Vec3>),
     Scalars(Vec<f32>),
 }
@@ -25,6 +26,7 @@ impl Piece<'_> {
     fn bytes(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,
+            Self::Owned(bytes) => bytes,
             Self::Vectors(vectors) => bytemuck::cast_slice(vectors),
             Self::Scalars(scalars) => bytemuck::cast_slice(scalars),
         }

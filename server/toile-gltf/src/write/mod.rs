@@ -4,6 +4,8 @@ mod error;
 mod frames;
 mod glb;
 mod material;
+mod relief;
+mod root;
 mod strain;
 mod template;
 
@@ -12,6 +14,7 @@ use serde_json::{Map, Value, json};
 use toile_drape::outfit::Outfit;
 
 pub use self::error::WriteError;
+pub use self::relief::Relief;
 pub use self::strain::vertex_strain;
 pub use self::template::{BodyTemplate, OutfitTemplate};
 
@@ -19,6 +22,7 @@ use self::error::check_length;
 use self::frames::{Morphs, mesh_vertices};
 use self::glb::{GlbBuilder, Piece, ViewKind};
 use self::material::{SHEEN, TEXTURE_TRANSFORM};
+use self::root::SceneRoot;
 use self::template::{GarmentTemplate, IndexRange};
 
 /// One pose of the scene, world space, metres. Outfit lists run over welded vertices.
@@ -59,11 +63,24 @@ pub struct Scene<'a> {
 /// # Errors
 /// When lengths do not match the templates, a value is not finite, or there is nothing to write.
 pub fn write_drape(scene: &Scene<'_>) -> Result<Vec<u8>, WriteError> {
+    write(scene, None)
+}
+
+/// Writes one frame with a normal map a garment in the place of the outfit's own.
+///
+/// # Errors
+/// As [`write_drape`], and when the normal maps are not the outfit's or there are several frames.
+pub fn write_relief(scene: &Scene<'_>, relief: &Relief<'_>) -> Result<Vec<u8>, WriteError> {
+    relief.check(scene)?;
+    write(scene, Some(relief))
+}
+
+fn write<'a>(scene: &Scene<'a>, relief: Option<&Relief<'a>>) -> Result<Vec<u8>, WriteError> {
     check(scene)?;
     let mut glb = GlbBuilder::default();
     let mut root = SceneRoot::default();
     if let Some(outfit) = scene.outfit {
-        add_outfit(&mut glb, &mut root, outfit, scene)?;
+        add_outfit(&mut glb, &mut root, (outfit, relief), scene)?;
     }
     if let Some(body) = scene.body {
         add_body(&mut glb, &mut root, body, scene)?;
@@ -131,70 +148,34 @@ fn check(scene: &Scene<'_>) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// The JSON lists that nodes add to.
-#[derive(Default)]
-struct SceneRoot {
-    nodes: Vec<Value>,
-    meshes: Vec<Value>,
-    materials: Vec<Value>,
-    images: Vec<Value>,
-    extensions: Vec<&'static str>,
-    animation: Option<Value>,
-}
-
-impl SceneRoot {
-    fn add_node(&mut self, name: &str, primitives: Vec<Value>, layer: Option<u32>) {
-        let mut node = json!({"name": name, "mesh": self.meshes.len()});
-        if let Some(layer) = layer {
-            node["extras"] = json!({"layer": layer});
-        }
-        self.nodes.push(node);
-        self.meshes.push(json!({"name": name, "primitives": primitives}));
-    }
-
-    fn into_json(self, name: &str) -> Map<String, Value> {
-        let mut root = Map::new();
-        let mut put = |key: &str, value: Value| root.insert(key.to_owned(), value);
-        let textures: Vec<Value> =
-            (0..self.images.len()).map(|i| json!({"sampler": 0, "source": i})).collect();
-        put("asset", json!({"version": "2.0", "generator": "toile"}));
-        put("scene", json!(0));
-        put("scenes", json!([{"name": name, "nodes": (0..self.nodes.len()).collect::<Vec<_>>()}]));
-        put("nodes", self.nodes.into());
-        put("meshes", self.meshes.into());
-        put("materials", self.materials.into());
-        if !textures.is_empty() {
-            put("samplers", json!([{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}]));
-            put("textures", textures.into());
-            put("images", self.images.into());
-        }
-        if let Some(animation) = self.animation {
-            put("animations", json!([animation]));
-        }
-        if !self.extensions.is_empty() {
-            put("extensionsUsed", json!(self.extensions));
-        }
-        root
-    }
-}
-
 fn add_outfit<'a>(
     glb: &mut GlbBuilder<'a>,
     root: &mut SceneRoot,
-    outfit: &'a OutfitTemplate,
+    (outfit, relief): (&'a OutfitTemplate, Option<&Relief<'a>>),
     scene: &Scene<'a>,
 ) -> Result<(), WriteError> {
     let uvs = (!outfit.uvs.is_empty()).then(|| glb.view(Piece::Bytes(&outfit.uvs), ViewKind::Vertices(8)));
     let indices = glb.view(Piece::Bytes(&outfit.indices), ViewKind::Indices);
-    add_materials(glb, root, outfit, scene.textures);
     let ranges: Vec<_> = outfit.garments.iter().map(|garment| garment.drawn.clone()).collect();
-    let vertices = frames::outfit_vertices(glb, outfit, scene.frames, &ranges)?;
-    for (garment, (mut attributes, morphs)) in outfit.garments.iter().zip(vertices) {
+    let mut vertices = frames::outfit_vertices(glb, outfit, scene.frames, &ranges)?;
+    let first_material = match relief {
+        None => {
+            add_materials(glb, root, outfit, scene.textures);
+            None
+        }
+        Some(relief) => {
+            relief.add_vertices(glb, &ranges, &mut vertices);
+            Some(relief.add_materials(glb, root, outfit, scene.textures)?)
+        }
+    };
+    for (index, (garment, (mut attributes, morphs))) in outfit.garments.iter().zip(vertices).enumerate() {
         if let Some(view) = uvs {
             let accessor = glb.floats(view, garment.drawn.start * 8, garment.drawn.len(), "VEC2");
             attributes.insert("TEXCOORD_0".into(), accessor.into());
         }
-        let primitives = garment_primitives(glb, garment, indices, &Vertices { attributes, morphs });
+        let materials = first_material.as_ref().and_then(|first| first.get(index).copied());
+        let vertices = Vertices { attributes, morphs };
+        let primitives = garment_primitives(glb, garment, (indices, materials), &vertices);
         root.add_node(&garment.name, primitives, Some(garment.layer));
     }
     Ok(())
@@ -205,14 +186,18 @@ struct Vertices {
     morphs: Morphs,
 }
 
+/// The garment's parts, with materials of the outfit or, from `own` on, one of its own a part.
 fn garment_primitives(
     glb: &mut GlbBuilder<'_>,
     garment: &GarmentTemplate,
-    view: usize,
+    (view, own): (usize, Option<usize>),
     vertices: &Vertices,
 ) -> Vec<Value> {
-    let parts = garment.primitives.iter();
-    parts.map(|part| primitive(glb, vertices, (view, part.indices), part.material)).collect()
+    let parts = garment.primitives.iter().enumerate();
+    let material = |index: usize, of_outfit: usize| own.map_or(of_outfit, |first| first + index);
+    parts
+        .map(|(index, part)| primitive(glb, vertices, (view, part.indices), material(index, part.material)))
+        .collect()
 }
 
 fn primitive(

@@ -1,6 +1,7 @@
 //! What every drape of an outfit, or of the body, has in common, prepared once.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use toile_drape::outfit::{Garment, Outfit};
 
@@ -17,7 +18,7 @@ pub struct OutfitTemplate {
     /// UVs of all drawn vertices, or empty.
     pub(super) uvs: Vec<u8>,
     pub(super) indices: Vec<u8>,
-    pub(super) materials: Materials,
+    pub(super) materials: Arc<Materials>,
 }
 
 /// A node to be.
@@ -48,6 +49,16 @@ impl OutfitTemplate {
     /// Prepares the constant parts of `outfit`'s GLB.
     #[must_use]
     pub fn new(outfit: &Outfit) -> Self {
+        Self::with(outfit, Arc::new(Materials::new(outfit)))
+    }
+
+    /// The same for another mesh of the outfit, which shares this one's materials and pictures.
+    #[must_use]
+    pub fn of_mesh(&self, mesh: &Outfit) -> Self {
+        Self::with(mesh, Arc::clone(&self.materials))
+    }
+
+    fn with(outfit: &Outfit, materials: Arc<Materials>) -> Self {
         let mut indices = Vec::new();
         let garments =
             outfit.garments.iter().map(|garment| garment_template(garment, outfit, &mut indices)).collect();
@@ -58,7 +69,7 @@ impl OutfitTemplate {
             garments,
             uvs: bytemuck::cast_slice(&outfit.surface.uvs).to_vec(),
             indices,
-            materials: Materials::new(outfit),
+            materials,
         }
     }
 
