@@ -82,6 +82,7 @@ impl Glb {
         let width = match described["type"].as_str() {
             Some("SCALAR") => 1,
             Some("VEC2") => 2,
+            Some("VEC4") => 4,
             _ => 3,
         };
         let count = described["count"].as_u64().expect("a count") as usize;

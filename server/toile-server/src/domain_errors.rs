@@ -1,6 +1,7 @@
 //! Errors of the crates below, in the words of the API. Each is translated here and nowhere else.
 
 use toile_drape::error::DrapeError;
+use toile_drape::normal_map::NormalMapError;
 use toile_drape::outfit_build::OutfitError;
 use toile_geometry::body::BodyError;
 use toile_geometry::measurements::MeasurementError;
@@ -112,6 +113,13 @@ impl From<DrapeError> for ApiError {
             return Self::new(Code::NoPixelCloth, detail).at("/output/method");
         }
         Self::internal(error)
+    }
+}
+
+impl From<NormalMapError> for ApiError {
+    fn from(error: NormalMapError) -> Self {
+        let advice = "Upload the outfit with UVs that tell its places apart, or ask for the detail \"mesh\".";
+        Self::new(Code::NoUvs, format!("{} {advice}", sentence(&error))).at("/output/detail")
     }
 }
 

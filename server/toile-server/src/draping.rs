@@ -11,7 +11,8 @@ use toile_gltf::{FrameView, Scene, write_drape};
 
 use crate::assets::Assets;
 use crate::errors::{ApiError, Code};
-use crate::requests::{Attribute, DrapeBody, OutputRequest, Part};
+use crate::relief;
+use crate::requests::{Attribute, Detail, DrapeBody, OutputRequest, Part};
 use crate::server_timing::ServerTiming;
 use crate::upload::check_names;
 use crate::wardrobe::Prepared;
@@ -56,9 +57,7 @@ pub fn drape(
     };
     let drape = pipeline::drape(&assets.studio, &work, networks)?;
     drape.timing.stages().for_each(|(stage, milliseconds)| timing.add(stage, milliseconds));
-    let started = Instant::now();
-    let glb = encode(assets, prepared, &drape, &motion, &request.output)?;
-    timing.add_since("encode", started, None);
+    let glb = encode(assets, prepared, (&drape, &motion), &request.output, &mut timing)?;
     Ok(Draped { glb, quality: drape.quality, images: drape.images, motion, timing })
 }
 
@@ -92,10 +91,11 @@ fn unknown_kind(garment: &str) -> ApiError {
 fn encode(
     assets: &Assets,
     prepared: &Prepared,
-    drape: &Drape,
-    motion: &Motion,
+    (drape, motion): (&Drape, &Motion),
     output: &OutputRequest,
+    timing: &mut ServerTiming,
 ) -> Result<Bytes, ApiError> {
+    let started = Instant::now();
     let with = |attribute| output.attributes.contains(&attribute);
     let frames: Vec<FrameView<'_>> = drape
         .frames
@@ -115,5 +115,16 @@ fn encode(
         frame_rate: motion.frame_rate,
         textures: output.textures,
     };
-    Ok(write_drape(&scene).map_err(ApiError::internal)?.into())
+    let glb = match drape.frames.as_slice() {
+        [frame] if output.detail == Detail::NormalMap && scene.outfit.is_some() => {
+            let side = output.normal_map_size.map(|size| size as usize);
+            relief::encode(prepared, frame, &scene, side, timing)?
+        }
+        _ => {
+            let glb = write_drape(&scene).map_err(ApiError::internal)?;
+            timing.add_since("encode", started, None);
+            glb
+        }
+    };
+    Ok(glb.into())
 }

@@ -53,6 +53,10 @@ pub enum Code {
     UnknownKind,
     /// `pixel_cloth` for a garment without a network.
     NoPixelCloth,
+    /// A normal map of a garment whose UVs do not do for it.
+    NoUvs,
+    /// A normal map of a sequence.
+    SinglePoseOnly,
     UnknownScan,
     NotABody,
     MeasurementOutOfRange,
@@ -152,6 +156,12 @@ impl Code {
             }
             Self::NoPixelCloth => {
                 (S::UNPROCESSABLE_ENTITY, "no-pixel-cloth", "There is no pixel-cloth network of this garment")
+            }
+            Self::NoUvs => {
+                (S::UNPROCESSABLE_ENTITY, "no-uvs", "A garment has no UVs that a normal map could use")
+            }
+            Self::SinglePoseOnly => {
+                (S::UNPROCESSABLE_ENTITY, "single-pose-only", "Normal maps are made of single poses")
             }
             Self::MeasurementOutOfRange => {
                 (S::UNPROCESSABLE_ENTITY, "measurement-out-of-range", "A measurement is out of range")

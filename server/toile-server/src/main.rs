@@ -17,6 +17,7 @@ mod lifecycle;
 mod listener;
 mod locations;
 mod measurements;
+mod relief;
 mod request_id;
 mod requests;
 mod routes;

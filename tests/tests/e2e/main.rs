@@ -11,6 +11,7 @@ mod drape_refusals;
 mod drapes;
 mod gallery;
 mod garnet;
+mod normal_map;
 mod outfits;
 mod persistence;
 mod pixel_cloth;

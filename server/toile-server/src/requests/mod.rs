@@ -18,7 +18,7 @@ use crate::json::escape;
 use pose::from_library;
 
 pub use body::BodyRequest;
-pub use output::{Attribute, OutputRequest, Part};
+pub use output::{Attribute, Detail, OutputRequest, Part};
 pub use pose::PoseRequest;
 
 /// Longest sequence.
@@ -106,6 +106,7 @@ impl DrapeBody {
             let detail = format!("The sequence has {frames} poses; at most {most} are draped at once.");
             return Err(ApiError::new(Code::TooManyFrames, detail).at("/poses"));
         }
+        self.output.check_detail(self.poses.is_some() || self.motion.is_some())?;
         self.check_frame_rate()
     }
 

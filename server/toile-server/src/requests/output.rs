@@ -5,7 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use toile_drape::methods::MethodKind;
 
+use crate::errors::{ApiError, Code};
 use crate::upload::Kinds;
+
+/// Texels each way that a normal map may have.
+const MAP_SIZES: [u32; 4] = [128, 256, 512, 1024];
 
 /// A part of the answer.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
@@ -27,6 +31,17 @@ pub enum Attribute {
     Penetration,
 }
 
+/// How the folds of the garments are told.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Detail {
+    /// By the outfit's own mesh.
+    #[default]
+    Mesh,
+    /// By a coarse mesh with normal maps.
+    NormalMap,
+}
+
 /// What the answer holds.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -42,6 +57,11 @@ pub struct OutputRequest {
     pub attributes: BTreeSet<Attribute>,
     /// Whether the outfit's pictures are embedded.
     pub textures: bool,
+    /// Mesh or normal maps.
+    pub detail: Detail,
+    /// Texels each way of a normal map; as many as the mesh has folds for when not stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_map_size: Option<u32>,
 }
 
 impl Default for OutputRequest {
@@ -53,6 +73,27 @@ impl Default for OutputRequest {
             kinds: Kinds::new(),
             attributes: BTreeSet::new(),
             textures: true,
+            detail: Detail::Mesh,
+            normal_map_size: None,
+        }
+    }
+}
+
+impl OutputRequest {
+    /// Refuses normal maps of a sequence, and of sizes that are none.
+    pub(super) fn check_detail(&self, is_sequence: bool) -> Result<(), ApiError> {
+        let maps = self.detail == Detail::NormalMap;
+        if maps && is_sequence {
+            let detail = "Normal maps are made of a single pose; ask for the detail \"mesh\", or for one pose at a time.";
+            return Err(ApiError::new(Code::SinglePoseOnly, detail).at("/output/detail"));
+        }
+        let invalid = |detail| Err(ApiError::new(Code::InvalidField, detail).at("/output/normal_map_size"));
+        match self.normal_map_size {
+            Some(_) if !maps => invalid("Only the detail \"normal_map\" has a size."),
+            Some(size) if !MAP_SIZES.contains(&size) => {
+                invalid("A normal map has 128, 256, 512 or 1024 texels each way.")
+            }
+            _ => Ok(()),
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::bakes::{self, BakeReport};
 use crate::errors::{ApiError, Code};
 use crate::files::DataDir;
 use crate::heroes::{self, HeroReport};
+use crate::relief::CoarseMesh;
 use crate::server_timing::ServerTiming;
 use crate::static_files;
 use crate::store::{NewOutfit, Store, StoredOutfit, Summary};
@@ -41,6 +42,8 @@ pub struct Prepared {
     pub bake: Option<BakeReport>,
     /// Its own pixel-cloth network, if there is one, and how near that comes.
     pub hero: Option<(Hero, HeroReport)>,
+    /// Its coarse mesh, once a normal map was asked for.
+    pub coarse: CoarseMesh,
 }
 
 impl Prepared {
@@ -51,7 +54,7 @@ impl Prepared {
         for material in &mut outfit.materials {
             (material.base_color_picture, material.normal_picture) = (None, None);
         }
-        Self { outfit, statics, template, kinds, bake: None, hero: None }
+        Self { outfit, statics, template, kinds, bake: None, hero: None, coarse: CoarseMesh::default() }
     }
 
     /// With what the outfit has of its own: a bake in the place of the networks' answers, a pixel-cloth network.
@@ -83,7 +86,8 @@ impl Prepared {
         let points = size_of_val(outfit.positions.as_slice()) + size_of_val(outfit.surface.uvs.as_slice());
         let drawn = size_of_val(outfit.surface.vertex_of.as_slice());
         let hero = self.hero.as_ref().map_or(0, |(hero, _)| hero.byte_size());
-        corners + points + drawn + hero + self.statics.byte_size() + self.template.byte_size()
+        let coarse = CoarseMesh::byte_bound(outfit);
+        corners + points + drawn + hero + coarse + self.statics.byte_size() + self.template.byte_size()
     }
 }
 
