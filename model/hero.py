@@ -43,7 +43,7 @@ COUNT, CHUNK, SEED = 2000, 8, 9_500
 #: Steps of a relaxation: half of what the shipped T-shirt's had, for twice as many drapes an hour.
 STEPS = 320
 #: Share of the time that drapes are made in.
-MAKING = 0.65
+MAKING = 0.5
 #: m below the hips from which a garment moves with the legs, and by which one may differ from its mirror image (99 %).
 REACH, SYMMETRIC = 0.12, 5e-3
 
