@@ -17,8 +17,8 @@ from fabric import Fabric
 from garment.rest_mesh import hinges, rest_mesh
 from nets.deepsd import Sizes
 from pixel_data import Drapes, in_poses, load, necktie, shirt
-from pixel_filter import Filter, offsets_of
-from pixel_scenes import Garment, draped, scenes
+from pixel_filter import COUNTS, Filter, offsets_of
+from pixel_scenes import Garment, Scenes, draped, scenes
 from relax import skinned
 from train_pixel import RUNS, TEE, Run, answers, checkpoint, garment_of, network
 from training_data import BodyBank, Sample
@@ -107,6 +107,31 @@ def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
         print(f"| {name} | {off(x, data['test'].truth, garment.triangles)} | {at:.1f} | {elsewhere:.1f} |", flush=True)
 
 
+def components(name: str, garment: Garment, smooth: Filter, said: dict[str, Tensor], data: dict[str, Scenes]) -> None:
+    """A row: errors, cm, that a network is left with for every count of components on validation and test."""
+    cells = []
+    for count in COUNTS:
+        left = []
+        for split in ("validation", "test"):
+            x = draped(smooth.apply(offsets_of(said[split], garment, data[split]), count), garment, data[split])
+            left.append(f"{100 * (x - data[split].truth).norm(dim=-1).mean().item():.3f}")
+        cells.append(" / ".join(left))
+    print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+
+def filters(sample: Sample, sets: dict[str, Drapes]) -> None:
+    """Figure 16: how many components of the training's drapes to keep, for the whole and for patches."""
+    whole, net = trained(sample)
+    data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
+    smooth = Filter.of(data["train"])
+    print(f"| validation / test, cm | {' | '.join(map(str, COUNTS))} |\n|---|{'---:|' * len(COUNTS)}")
+    components("whole", whole, smooth, {k: answers(net, whole, data[k]) for k in ("validation", "test")}, data)
+    if checkpoint(Run(patched=True), SECTION_8).exists():
+        garment, net = trained(sample, Run(patched=True), SECTION_8)
+        said = {k: answers(net, garment, scenes(garment, sets[k], "reference")) for k in ("validation", "test")}
+        components("patches", whole, smooth, said, data)
+
+
 def seams(sample: Sample, garment: Garment) -> Tensor:
     """Which hinges (H,) of the garment lie between two patches."""
     uses = torch.bincount(garment.vertex, minlength=len(sample.vertices))
@@ -178,6 +203,8 @@ def tables() -> None:
     sharpness(sample, sets)
     print()
     patches(sample, sets)
+    print()
+    filters(sample, sets)
     print()
     tie()
     print()
