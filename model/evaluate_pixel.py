@@ -18,6 +18,7 @@ from garment.cloth_image import cloth_images
 from garment.embedding import worn_tight
 from garment.flat import stretch
 from garment.graph import mesh_edges
+from garment.mirror import asymmetry, opposite
 from outfits.body_fields import body_fields
 from outfits.garnet_garments import garnet_garment
 from outfits.mesh import GarmentMesh
@@ -42,6 +43,12 @@ def wrapping(garment: GarmentMesh) -> str:
     return f"wrapped: {off:.1f} cm away on average, edges {low:.2f} to {high:.2f} times as long (1 to 99 %)"
 
 
+def symmetry(garment: GarmentMesh) -> str:
+    """A line on how far the garment is from its mirror image, which training uses."""
+    v, t = garment.vertices, garment.triangles
+    return f"mirrored: {1e3 * asymmetry(v, opposite(v, t)).mean():.2f} mm from itself on average"
+
+
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--density", type=int, default=DENSITY, help="vertices a square metre")
@@ -63,7 +70,7 @@ def main() -> None:
         back = images.joined(images.values(images.images(values[images.vertex])))
         off = 1e3 * np.linalg.norm(back - values, axis=1)
         print(f"| {name} | {off.mean():.2f} | {np.percentile(off, 99):.2f} | {off.max():.2f} |")
-    print(f"\n{wrapping(garment)}")
+    print(f"\n{wrapping(garment)}\n{symmetry(garment)}")
     if next(files()).exists():
         tables()
 

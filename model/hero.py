@@ -185,5 +185,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    # Of the processes that relax, which have a core each.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     main()

@@ -9,7 +9,7 @@ use toile_drape::static_pass::StaticPass;
 
 use crate::errors::{ApiError, Code};
 use crate::files::write_atomically;
-use crate::static_files::{sealed, unsealed};
+use crate::static_files::{load_sealed, sealed};
 
 /// Largest bake: an outfit of 50 000 nodes, many times what a body can wear.
 pub const MAX_BAKE_BYTES: usize = 48 * 1024 * 1024;
@@ -66,19 +66,7 @@ pub fn read(bytes: &[u8], statics: &StaticPass, key: &str) -> Result<(Bake, Bake
 
 /// What is stored at `path`, if it is there and whole. A file that is not is logged and left out.
 pub fn load(path: &Path, statics: &StaticPass, key: &str) -> Option<(Bake, BakeReport)> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            if error.kind() != std::io::ErrorKind::NotFound {
-                tracing::warn!(key, %error, "bake cannot be read; draping without it");
-            }
-            return None;
-        }
-    };
-    unsealed(&bytes, key)
-        .and_then(|content| read(content, statics, key).map_err(|error| error.to_string()))
-        .inspect_err(|reason| tracing::warn!(key, reason, "bake cannot be used; draping without it"))
-        .ok()
+    load_sealed(path, key, "bake", |content| read(content, statics, key).map_err(|error| error.to_string()))
 }
 
 /// Keeps a bake's file.

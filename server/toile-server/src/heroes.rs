@@ -9,7 +9,7 @@ use toile_drape::outfit::Outfit;
 
 use crate::errors::{ApiError, Code};
 use crate::files::write_atomically;
-use crate::static_files::{sealed, unsealed};
+use crate::static_files::{load_sealed, sealed};
 
 /// Largest file of a network with its tables: 16 panels of 10 000 vertices.
 pub const MAX_HERO_BYTES: usize = 64 * 1024 * 1024;
@@ -51,19 +51,8 @@ pub fn read(bytes: &[u8], outfit: &Outfit, body: usize) -> Result<(Hero, HeroRep
 
 /// What is stored at `path` for the outfit `id`, if it is there and whole. A file that is not is logged and left out.
 pub fn load(path: &Path, id: &str, outfit: &Outfit, body: usize) -> Option<(Hero, HeroReport)> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) => {
-            if error.kind() != std::io::ErrorKind::NotFound {
-                tracing::warn!(id, %error, "pixel-cloth network cannot be read; draping without it");
-            }
-            return None;
-        }
-    };
-    unsealed(&bytes, id)
-        .and_then(|content| read(content, outfit, body).map_err(|error| error.to_string()))
-        .inspect_err(|reason| tracing::warn!(id, reason, "pixel-cloth network cannot be used"))
-        .ok()
+    let read = |content: &[u8]| read(content, outfit, body).map_err(|error| error.to_string());
+    load_sealed(path, id, "pixel-cloth network", read)
 }
 
 /// Keeps a network's file.

@@ -21,17 +21,7 @@ pub fn key(outfit_id: &str, fingerprint: &str, body_hash: &str) -> String {
 
 /// What is stored at `path`, if it is there and whole. A file that is not is logged and treated as absent.
 pub fn load(path: &Path, key: &str) -> Option<(Outfit, StaticPass)> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
-        Err(error) => {
-            tracing::warn!(key, %error, "static pass cannot be read; computing it again");
-            return None;
-        }
-    };
-    decode(&bytes, key)
-        .inspect_err(|reason| tracing::warn!(key, reason, "static pass cannot be used; computing it again"))
-        .ok()
+    load_sealed(path, key, "static pass", decode)
 }
 
 /// Writes a static pass. No drape depends on it: a failure is logged.
@@ -49,8 +39,7 @@ fn encode(key: &str, outfit: &Outfit, statics: &StaticPass) -> Result<Vec<u8>, S
     Ok(sealed(key, &[&(outfit.len() as u64).to_le_bytes(), outfit.as_slice(), &statics].concat()))
 }
 
-fn decode(bytes: &[u8], key: &str) -> Result<(Outfit, StaticPass), String> {
-    let content = unsealed(bytes, key)?;
+fn decode(content: &[u8]) -> Result<(Outfit, StaticPass), String> {
     let (length, content) = content.split_first_chunk::<LENGTH_BYTES>().ok_or("it is truncated")?;
     let length = usize::try_from(u64::from_le_bytes(*length)).map_err(text)?;
     let (outfit, statics) = content.split_at_checked(length).ok_or("it is truncated")?;
@@ -67,11 +56,30 @@ pub fn sealed(key: &str, content: &[u8]) -> Vec<u8> {
     [checksum(key, content).as_slice(), content].concat()
 }
 
+/// What `read` makes of the sealed content at `path`, if it is there and whole. A file that is not is logged as `what`
+/// it should be, and left out.
+pub fn load_sealed<T>(
+    path: &Path,
+    key: &str,
+    what: &str,
+    read: impl FnOnce(&[u8]) -> Result<T, String>,
+) -> Option<T> {
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
+        Err(error) => {
+            tracing::warn!(key, %error, "{what} cannot be read; going on without it");
+            return None;
+        }
+    };
+    unsealed(&bytes, key)
+        .and_then(read)
+        .inspect_err(|reason| tracing::warn!(key, reason, "{what} cannot be used; going on without it"))
+        .ok()
+}
+
 /// Content whose checksum is right.
-///
-/// # Errors
-/// Why it is not what was sealed.
-pub fn unsealed<'b>(bytes: &'b [u8], key: &str) -> Result<&'b [u8], String> {
+fn unsealed<'b>(bytes: &'b [u8], key: &str) -> Result<&'b [u8], String> {
     let (sum, content) = bytes.split_at_checked(CHECKSUM_BYTES).ok_or("it is truncated")?;
     if sum == checksum(key, content) { Ok(content) } else { Err("its checksum is wrong".to_owned()) }
 }
