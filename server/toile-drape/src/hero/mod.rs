@@ -8,7 +8,7 @@ mod tables;
 
 use std::collections::HashMap;
 
-use glam::{Affine3A, Mat3, Vec3};
+use glam::{Affine3A, IVec3, Mat3, Vec3};
 
 use crate::error::DrapeError;
 use crate::network::Networks;
@@ -29,6 +29,8 @@ pub struct Hero {
     pub sees_legs: bool,
     decoder: Decoder,
     rest: Vec<Vec3>,
+    /// Its vertices by the cell of space that they lie in.
+    cells: HashMap<IVec3, Vec<usize>>,
     /// The joints whose turns the network sees, each against another one or the world.
     joints: Vec<(Option<usize>, usize)>,
     sites: Vec<Site>,
@@ -137,19 +139,26 @@ impl Hero {
         if positions.len() != self.rest.len() {
             return None;
         }
-        let cell = |p: Vec3| (p / (4.0 * SAME)).floor().as_ivec3();
-        let mut cells: HashMap<glam::IVec3, Vec<usize>> = HashMap::new();
-        self.rest.iter().enumerate().for_each(|(v, p)| cells.entry(cell(*p)).or_default().push(v));
         let nearest = |p: &Vec3| {
             let (low, high) = (cell(*p - SAME), cell(*p + SAME));
             let near = (low.x..=high.x).flat_map(|x| (low.y..=high.y).map(move |y| (x, y)));
-            let near = near.flat_map(|(x, y)| (low.z..=high.z).map(move |z| glam::IVec3::new(x, y, z)));
-            let found = near.filter_map(|c| cells.get(&c)).flatten();
+            let near = near.flat_map(|(x, y)| (low.z..=high.z).map(move |z| IVec3::new(x, y, z)));
+            let found = near.filter_map(|c| self.cells.get(&c)).flatten();
             let found = found.map(|&v| (v, self.rest[v].distance(*p))).min_by(|a, b| a.1.total_cmp(&b.1));
             found.filter(|(_, away)| *away < SAME).map(|(v, _)| v)
         };
         positions.iter().map(nearest).collect()
     }
+}
+
+fn cell(p: Vec3) -> IVec3 {
+    (p / (4.0 * SAME)).floor().as_ivec3()
+}
+
+fn by_cell(points: &[Vec3]) -> HashMap<IVec3, Vec<usize>> {
+    let mut cells: HashMap<IVec3, Vec<usize>> = HashMap::new();
+    points.iter().enumerate().for_each(|(v, p)| cells.entry(cell(*p)).or_default().push(v));
+    cells
 }
 
 /// Rotation of the pelvis, turned about the vertical so that it faces +z.

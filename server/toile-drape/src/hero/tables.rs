@@ -4,7 +4,7 @@ use glam::Vec3;
 use safetensors::tensor::{Dtype, SafeTensors};
 
 use super::decoder::{Decoder, Layer};
-use super::{Filter, Hero, SIDE, Site};
+use super::{Filter, Hero, SIDE, Site, by_cell};
 use crate::error::DrapeError;
 use crate::reference::GARMENT_JOINTS;
 
@@ -24,7 +24,8 @@ impl Hero {
         }
         let (joints, sees_legs) = (file.joints()?, file.data("legs", Dtype::U8)?.1 == [1]);
         let decoder = Decoder::read(|w, b| file.layer(w, b), 9 * joints.len(), images)?;
-        Ok(Self { mask, sees_legs, decoder, rest, joints, sites, filter })
+        let cells = by_cell(&rest);
+        Ok(Self { mask, sees_legs, decoder, rest, cells, joints, sites, filter })
     }
 }
 
