@@ -34,6 +34,7 @@ pub mod shape;
 pub mod skinning;
 pub mod static_codec;
 pub mod static_pass;
+mod straighten;
 pub mod stretch;
 pub mod studio;
 #[cfg(test)]

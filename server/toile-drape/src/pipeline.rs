@@ -179,7 +179,7 @@ fn check(request: &DrapeRequest<'_>) -> Result<(), DrapeError> {
 fn clothe(studio: &Studio, request: &DrapeRequest<'_>) -> (Arc<ShapedBody>, Arc<Fitted>) {
     let shape = &request.motion.shape;
     let shaped = studio.shapes.get(shape.clone(), |s| studio.body.shape(s));
-    let fitted = request.statics.fitted(studio, shape, &shaped);
+    let fitted = request.statics.fitted(studio, request.outfit, shape, &shaped);
     (shaped, fitted)
 }
 
@@ -225,7 +225,7 @@ fn drape_frame(
     let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
     let resolved = timing.time("resolve", || {
         if scene.request.resolve {
-            resolve(outfit, statics, &scene.fitted.lengths, &skin, &mut positions)
+            resolve(outfit, statics, scene.fitted, &skin, &mut positions)
         } else {
             Resolved::default()
         }

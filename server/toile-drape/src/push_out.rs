@@ -79,10 +79,17 @@ impl Field<'_> {
     /// Each node's push or, where that is longer, a share of its neighbours'; most nodes have neither.
     fn passed_on(&self, field: &[Vec3], pushed: &[bool]) -> (Vec<Vec3>, Vec<bool>) {
         let (mut next, mut reached) = (field.to_vec(), pushed.to_vec());
-        for i in (0..field.len()).filter(|&i| self.near.reaches(i, pushed)) {
-            let around = self.near.row(i).fold(Vec3::ZERO, |s, (j, w)| s + field[j] * w) * FOLLOW;
-            if around.length_squared() > field[i].length_squared() {
-                (next[i], reached[i]) = (around, true);
+        let mut seen = vec![false; field.len()];
+        for source in (0..field.len()).filter(|&i| pushed[i]) {
+            for &target in self.near.targets(source).iter().chain([&(source as u32)]) {
+                let i = target as usize;
+                if std::mem::replace(&mut seen[i], true) {
+                    continue;
+                }
+                let around = self.near.row(i).fold(Vec3::ZERO, |s, (j, w)| s + field[j] * w) * FOLLOW;
+                if around.length_squared() > field[i].length_squared() {
+                    (next[i], reached[i]) = (around, true);
+                }
             }
         }
         (next, reached)

@@ -4,10 +4,12 @@
 use glam::Vec3;
 
 use crate::contact::{Collider, Contact};
+use crate::fitted::Fitted;
 use crate::layer_contact::LayerContact;
 use crate::outfit::Outfit;
 use crate::push_out::Field;
 use crate::static_pass::StaticPass;
+use crate::straighten::straighten;
 use crate::stretch::{self, Limit};
 
 /// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
@@ -19,14 +21,10 @@ const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
 /// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
 const REFRESHED: usize = 4;
-/// How often all edges are drawn to their rest lengths at first.
-const DRAWN: usize = 6;
 /// How long edges may be before single vertices move.
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
 const SPIKE: Limit = Limit { stretch: 2.9, rounds: 6 };
-/// Triangles with an edge longer than this are also tested at their centroids, metres.
-const COARSE_EDGE: f32 = 0.022;
 /// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
 const TIGHTEST_CURVE: f32 = 0.03;
 /// A lack smaller than this is left alone, metres.
@@ -47,28 +45,28 @@ pub struct Resolved {
     pub inside_after: usize,
 }
 
-/// Draws the edges of world `positions` (welded order) towards their `lengths` at rest on the same body, then moves
-/// the cloth out of the body and the layers below.
+/// Draws the edges of world `positions` (welded order) towards their lengths at rest on the same body, then moves the
+/// cloth out of the body and the layers below.
 pub fn resolve(
     outfit: &Outfit,
     statics: &StaticPass,
-    lengths: &[f32],
+    fitted: &Fitted,
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
-    stretch::draw_to_rest(positions, &statics.edges, lengths, DRAWN);
+    straighten(statics, fitted, body, positions);
+    let lengths = &fitted.lengths;
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
     let depth_before: Vec<f32> = skin.contacts.iter().map(Contact::depth).collect();
     let inside_before = skin.inside();
-    let coarse = coarse_triangles(outfit, statics);
     let mut layers = LayerContact::new(statics, &outfit.triangles);
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
         if round >= SMOOTH_ROUNDS {
             skin.shorten(positions, lengths, STRETCH);
         }
         let mut need = skin.needs();
-        add_centroid_needs(&skin, positions, &coarse, &mut need);
+        add_centroid_needs(&skin, positions, &fitted.coarse, &mut need);
         layers.add_needs(|v| skin.room(v), positions, round % REFRESHED == 0, &mut need);
         if need.iter().all(|n| *n == Vec3::ZERO) {
             break;
@@ -153,17 +151,8 @@ impl<'a> SkinContact<'a> {
     }
 }
 
-fn coarse_triangles<'o>(outfit: &'o Outfit, statics: &StaticPass) -> Vec<&'o [u32; 3]> {
-    let at = |i: u32| statics.rest.get(i as usize).copied().unwrap_or_default();
-    let longest = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(at);
-        a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a))
-    };
-    outfit.triangles.iter().filter(|t| longest(t) > COARSE_EDGE * COARSE_EDGE).collect()
-}
-
 /// Adds what coarse triangles near the skin lack at their centroids, to their corners.
-fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[&[u32; 3]], need: &mut [Vec3]) {
+fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
     for triangle in coarse {
         let corner = triangle.map(|i| i as usize);
         let [a, b, c] = corner.map(|v| positions[v]);
@@ -189,6 +178,7 @@ mod tests {
     use crate::binding::CANDIDATES;
     use crate::graph::OutfitGraph;
     use crate::layers::layer_contacts;
+    use crate::straighten::NodeEdges;
     use crate::test_meshes::{sheet, sheets};
     use toile_geometry::mesh::{Adjacency, edges};
     use toile_geometry::nearest::PointTree;
@@ -221,8 +211,10 @@ mod tests {
             ..StaticPass::default()
         };
         let lengths = vec![0.02; statics.edges.len()];
+        let fitted =
+            Fitted { rest: statics.rest.clone(), lengths, node_edges: NodeEdges::default(), coarse: vec![] };
         let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
-        resolve(outfit, &statics, &lengths, &body, &mut moved);
+        resolve(outfit, &statics, &fitted, &body, &mut moved);
         moved
     }
 

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec3A};
 const SWEEPS: usize = 10;
 /// Share of the limit from which an edge is near it: shortening others may lengthen it.
 const NEAR: f32 = 0.7;
-/// How much longer a shortened edge may become at once: cloth crammed into a fold of the body stays there.
+/// How much longer a shortened edge may become at once: what lacks much of its length would crumple.
 const GROWTH: f32 = 1.05;
 /// Of each end's share in it.
 const MOST_GROWTH: f32 = 0.5 - 0.5 * GROWTH;
@@ -35,17 +35,27 @@ pub fn interleaved(edges: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 }
 
 /// Draws every edge to its rest length, metres, one after the other, some times over. What the networks have shortened
-/// or stretched over a few edges gets its length back and buckles as cloth does; what lies farther apart stays.
-pub fn draw_to_rest(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32], sweeps: usize) {
+/// or stretched over a few edges gets its length back and buckles as cloth does; what lies farther apart stays. Edges
+/// with a `crammed` end are only shortened: in a fold of the body there is no room for more cloth.
+pub fn draw_to_rest(
+    positions: &mut [Vec3],
+    edges: &[[u32; 2]],
+    lengths: &[f32],
+    crammed: &[bool],
+    sweeps: usize,
+) {
+    let is_crammed = |v: &u32| crammed.get(*v as usize).is_some_and(|c| *c);
+    let most = |edge: &[u32; 2]| if edge.iter().any(is_crammed) { 0.0 } else { MOST_GROWTH };
+    let growths: Vec<f32> = edges.iter().map(most).collect();
     let mut points: Vec<Vec3A> = positions.iter().copied().map(Vec3A::from).collect();
     for _ in 0..sweeps {
-        for ([a, b], rest) in edges.iter().zip(lengths) {
+        for (([a, b], rest), most) in edges.iter().zip(lengths).zip(&growths) {
             let (a, b) = (*a as usize, *b as usize);
             let (Some(&from), Some(&to)) = (points.get(a), points.get(b)) else { continue };
             let between = to - from;
             // Jakobsen's first-order form of 0.5 - 0.5 rest / length, without the root.
             let square = rest * rest;
-            let share = between * (0.5 - square / (square + between.length_squared())).max(MOST_GROWTH);
+            let share = between * (0.5 - square / (square + between.length_squared())).max(*most);
             points[a] = from + share;
             points[b] = to - share;
         }
@@ -104,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn edges_come_nearer_to_their_lengths_and_crammed_ones_grow_slowly() {
+    fn edges_come_nearer_to_their_lengths_and_crammed_ones_do_not_grow() {
         let line = |step: f32| (0..30).map(|i| Vec3::X * step * i as f32).collect::<Vec<_>>();
         let edges: Vec<[u32; 2]> = (0..29).map(|i| [i, i + 1]).collect();
         let change = |points: &[Vec3]| {
@@ -113,12 +123,17 @@ mod tests {
         let mut uneven = line(0.01);
         uneven.iter_mut().step_by(3).for_each(|p| p.x += 0.002);
         let before = change(&uneven);
-        draw_to_rest(&mut uneven, &edges, &[0.01; 29], 5);
+        draw_to_rest(&mut uneven, &edges, &[0.01; 29], &[], 5);
         assert!(change(&uneven) < 0.3 * before, "{} {before}", change(&uneven));
+        let mut short = line(0.002);
+        draw_to_rest(&mut short, &edges, &[0.01; 29], &[], 1);
+        assert!(short.windows(2).all(|w| w[0].distance(w[1]) < 0.0023));
+        draw_to_rest(&mut short, &[[0, 99]], &[0.01], &[], 1);
         let mut crammed = line(0.002);
-        draw_to_rest(&mut crammed, &edges, &[0.01; 29], 1);
-        assert!(crammed.windows(2).all(|w| w[0].distance(w[1]) < 0.0023));
-        draw_to_rest(&mut crammed, &[[0, 99]], &[0.01], 1);
+        draw_to_rest(&mut crammed, &edges, &[0.01; 29], &[true; 30], 5);
+        assert_eq!(crammed, line(0.002));
+        draw_to_rest(&mut crammed, &edges, &[0.001; 29], &[true; 30], 5);
+        assert!(change(&crammed) > change(&line(0.002)));
     }
 
     #[test]

@@ -138,7 +138,7 @@ impl Judge<'_> {
             let before = drape(studio, &work, networks)?.frames;
             let after = drape(studio, &DrapeRequest { resolve: true, ..work }, networks)?.frames;
             let shaped = self.assets.shaped(&motion.shape);
-            let fitted = statics.fitted(studio, &motion.shape, &shaped);
+            let fitted = statics.fitted(studio, outfit, &motion.shape, &shaped);
             let measure = |f| Figures::measure(outfit, f, &statics.edges, &fitted.lengths);
             frames.extend(before.iter().map(measure).zip(after.iter().map(measure)));
             over.extend(before.iter().zip(&after).map(|(b, a)| turned(outfit, &b.positions, &a.positions)));
