@@ -29,8 +29,11 @@ from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_featu
 from posed_bodies import Bodies
 from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, TargetPool, carry, load_samples
 
-#: First and last matrices of the networks.
-OUTER = ("inlet.weight", "omega.2.weight", "psi.2.weight", "coefficients.net.4.weight")
+#: First and last matrices of the networks; `concat` is the printed form's (`ablation`).
+OUTER = (
+    "inlet.weight", "omega.2.weight", "psi.2.weight", "coefficients.net.4.weight", "concat.net.0.weight",
+    "concat.net.6.weight",
+)  # fmt: skip
 #: Outfits of kinds never trained on that a checkpoint is measured on: two of each.
 VALIDATION_OUTFITS = 12
 RUNS = Path(__file__).parent / "runs"
@@ -62,6 +65,17 @@ class DeePSD(nn.Module):
         self.static = StaticPass(sizes)
         self.coefficients = Coefficients(sizes)
 
+    def offsets(self, sample: Sample, nodes: tuple[Tensor, Tensor], pose: Tensor, shape: Tensor) -> Tensor:
+        """Psi of every vertex: basis and descriptors of the nodes, (P, POSE), (1, SHAPE) -> (P, N, 3), metres."""
+        basis = to_vertices(nodes[0], sample)
+        coefficients = self.coefficients(pose, shape.expand(len(pose), -1))
+        return torch.einsum("nkr,pr->pnk", basis.reshape(len(basis), 3, -1), coefficients)
+
+
+def to_vertices(field: Tensor, sample: Sample) -> Tensor:
+    """A field of the nodes (M, F) at the vertices (N, F)."""
+    return gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)
+
 
 @dataclass(frozen=True)
 class Draped(Posed):
@@ -80,14 +94,10 @@ def half_precision() -> torch.autocast:
 def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: Tensor, parents: Tensor) -> Draped:
     """Equation 4: offsets in rest space, then linear blend skinning with four influences."""
     with half_precision():
-        node_weights, node_basis, _ = net.static(sample.features, sample.prior, sample.graph)
-    node_weights, node_basis = node_weights.float(), node_basis.float()
-    spread = lambda field: gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)  # noqa: E731
+        node_weights, *nodes = (each.float() for each in net.static(sample.features, sample.prior, sample.graph))
     transforms = entry.transforms[poses]
-    coefficients = net.coefficients(pose_features(transforms, parents), entry.shape.expand(len(poses), -1))
-    basis = spread(node_basis).reshape(len(rest), 3, -1)
-    offset = torch.einsum("nkr,pr->pnk", basis, coefficients)
-    weight, joint = top_four(spread(node_weights))
+    offset = net.offsets(sample, tuple(nodes), pose_features(transforms, parents), entry.shape)
+    weight, joint = top_four(to_vertices(node_weights, sample))
     posed, up = skin(rest + offset, weight, joint, transforms)
     skinned, _ = skin(rest.expand_as(offset), weight, joint, transforms)
     return Draped(posed, skinned, up, rest, offset, node_weights)
@@ -187,7 +197,7 @@ class Settings:
     """What a run is made of."""
 
     minutes: float
-    steps: int = 10**9  # stop after this many, for smoke runs
+    steps: int = 10**9  # whichever of the two comes first
     poses: int = 5
     outfits_per_step: int = 2
     rate: float = 2e-3
@@ -220,7 +230,8 @@ def learn(net: DeePSD, data: Data, s: Settings, out: Path) -> None:
     tools = optimisers.muon_and_adam(net, s.rate, OUTER)
     average = torch.optim.swa_utils.AveragedModel(net, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.998))
     started, history, count = time.time(), [], 0
-    while (progress := s.start + (1 - s.start) * (time.time() - started) / (60 * s.minutes)) < 1 and count < s.steps:
+    while (done := max((time.time() - started) / (60 * s.minutes), count / s.steps)) < 1:
+        progress = s.start + (1 - s.start) * done
         rate = s.rate * min(1, count / 100) * (0.02 + 0.98 * 0.5 * (1 + np.cos(np.pi * progress)))
         optimisers.set_rate(tools, rate)
         history += [step(net, data, rng, s, progress) for _ in range(s.outfits_per_step)]

@@ -56,13 +56,12 @@ class Size:
 
     outfits: int = 15
     bodies: int = 2  # of its own for each outfit
-    poses: int = 10  # of its own for each outfit
+    poses: int = 13  # of its own for each outfit
     vertices: int = 1500  # of an outfit at most, about: a drape takes half a minute
 
 
 def prepare(size: Size, out: Path) -> list[Path]:
-    """Writes the outfits and what they are worn on, a folder each."""
-    poses = sample_poses(size.outfits * size.poses, SEED)
+    """Writes the outfits and what they are worn on, a folder each. A larger set begins with the smaller one."""
     folders = []
     for i, fine in held_out(size.outfits):
         share = min(1.0, size.vertices / fine.vertex_count)
@@ -72,10 +71,10 @@ def prepare(size: Size, out: Path) -> list[Path]:
         write_obj(outfit, folder / "outfit.obj")
         rng = np.random.default_rng(SEED + i)
         bodies = [random_shape(rng, 1)[0] for _ in range(size.bodies)]
-        mine = poses[i * size.poses : (i + 1) * size.poses]
+        poses = sample_poses(size.poses, SEED + i)
         on = {
             "bodies": [{"kind": "phenotypes", "values": values} for values in bodies],
-            "poses": [{"kind": "joints", "rotations": {n: rounded(q) for n, q in pose.items()}} for pose in mine],
+            "poses": [{"kind": "joints", "rotations": {n: rounded(q) for n, q in pose.items()}} for pose in poses],
         }
         (folder / "set.json").write_text(json.dumps(on) + "\n")
         folders.append(folder)
