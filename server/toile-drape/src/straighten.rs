@@ -16,7 +16,7 @@ use crate::stretch::{draw_to_rest, interleaved};
 const NODE_SWEEPS: usize = 6;
 /// How often those of the mesh are, at least and at most, and how many in all: coarse meshes, where more of a drape's
 /// error shows in each edge, cost little.
-const SWEEPS: (usize, usize) = (4, 16);
+const SWEEPS: (usize, usize) = (4, 20);
 const DRAWN: usize = 200_000;
 
 /// The touching nodes of an outfit on one body shape.
