@@ -36,16 +36,7 @@ impl NodeEdges {
     /// Of an outfit with the given `rest` positions, welded order, metres.
     #[must_use]
     pub fn new(statics: &StaticPass, rest: &[Vec3]) -> Self {
-        let mut best: Vec<(f32, Option<u32>)> = vec![(0.0, None); statics.near.len()];
-        for v in 0..rest.len() {
-            for (node, weight) in statics.vertex_from_node.row(v) {
-                match best.get_mut(node) {
-                    Some(found) if weight > found.0 => *found = (weight, Some(v as u32)),
-                    _ => {}
-                }
-            }
-        }
-        let vertex: Vec<_> = best.into_iter().map(|(_, v)| v).collect();
+        let vertex = vertex_of_node(statics, rest.len());
         let stands = |node: usize| vertex.get(node).copied().flatten().is_some();
         let touching = (0..vertex.len()).filter(|&n| stands(n)).flat_map(|n| {
             let others = statics.near.row(n).map(|(m, _)| m).filter(move |&m| m != n);
@@ -56,8 +47,7 @@ impl NodeEdges {
         edges.dedup();
         let edges = interleaved(edges);
         let lengths = lengths(&at(&vertex, rest), &edges);
-        let linked =
-            |v| statics.vertex_from_node.row(v).filter(|(n, _)| stands(*n)).map(|(_, w)| w).sum::<f32>();
+        let linked = |v| statics.vertex_from_node.row(v).filter(|(n, _)| stands(*n)).map(|(_, w)| w).sum();
         let share = (0..rest.len()).map(|v| 1.0 / f32::max(linked(v), 1e-6)).collect();
         Self { share, edges, lengths, vertex }
     }
@@ -68,15 +58,24 @@ impl NodeEdges {
         let mut nodes = before.clone();
         draw_to_rest(&mut nodes, &self.edges, &self.lengths, crammed, NODE_SWEEPS);
         nodes.iter_mut().zip(before).for_each(|(n, b)| *n -= b);
-        for (v, p) in positions.iter_mut().enumerate() {
-            let links = statics
-                .vertex_from_node
-                .row(v)
-                .filter(|(n, _)| self.vertex.get(*n).is_some_and(Option::is_some));
-            let (way, total) = links.fold((Vec3::ZERO, 0.0), |(s, t), (n, w)| (s + nodes[n] * w, t + w));
-            *p += way / f32::max(total, 1e-6);
+        for (v, (p, share)) in positions.iter_mut().zip(&self.share).enumerate() {
+            *p += statics.vertex_from_node.blended(v, &nodes) * *share;
         }
     }
+}
+
+/// The vertex that follows each node most.
+fn vertex_of_node(statics: &StaticPass, vertices: usize) -> Vec<Option<u32>> {
+    let mut best: Vec<(f32, Option<u32>)> = vec![(0.0, None); statics.near.len()];
+    for v in 0..vertices {
+        for (node, weight) in statics.vertex_from_node.row(v) {
+            match best.get_mut(node) {
+                Some(found) if weight > found.0 => *found = (weight, Some(v as u32)),
+                _ => {}
+            }
+        }
+    }
+    best.into_iter().map(|(_, v)| v).collect()
 }
 
 /// Positions of the nodes' vertices, metres.
