@@ -13,7 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pyvista
 
 from .held_out import held_out, write_obj
 from .mesh import GarmentMesh, OutfitMesh, edges_of
@@ -22,6 +21,9 @@ from .mesh import GarmentMesh, OutfitMesh, edges_of
 def coarser(garment: GarmentMesh, share: float) -> GarmentMesh:
     """About that share of the vertices, by quadric decimation."""
     faces = np.insert(garment.triangles, 0, 3, axis=1)
+    # Only here: what else reads this module works without the simulator's tools.
+    import pyvista
+
     coarse = pyvista.PolyData(garment.vertices, faces).decimate(1 - share).clean()
     return replace(garment, vertices=np.asarray(coarse.points, float), triangles=coarse.faces.reshape(-1, 4)[:, 1:])
 
