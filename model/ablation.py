@@ -21,7 +21,7 @@ from export import ARTIFACTS, export_all
 from nets.deepsd import ConcatenatedPsi, Sizes
 from teacher.compare import Figures, compare, table
 from teacher.drapes import TEACHER, folders_in
-from train_deepsd import RUNS, Data, DeePSD, Settings, half_precision, learn, to_vertices
+from train_deepsd import RUNS, Data, DeePSD, Settings, half_precision, learn
 from training_data import DATA, BodyBank, OutfitPool, Sample, TargetPool
 
 #: Of the blend weights, in every row.
@@ -36,7 +36,7 @@ class PrintedDeePSD(DeePSD):
         self.concat = ConcatenatedPsi(sizes)
 
     def offsets(self, sample: Sample, nodes: tuple[Tensor, Tensor], pose: Tensor, shape: Tensor) -> Tensor:
-        descriptors = to_vertices(nodes[1], sample)
+        descriptors = sample.at_vertices(nodes[1])
         with half_precision():
             of_poses = [self.concat(descriptors, one[None], shape[None]) for one in pose]
         return torch.stack(of_poses).float()

@@ -18,7 +18,7 @@ import torch
 from torch import nn
 
 import optimisers
-from nets.deepsd import ConcatenatedPsi, Sizes, gather_mean, pose_features
+from nets.deepsd import ConcatenatedPsi, Sizes, pose_features
 from train_deepsd import RUNS, DeePSD
 from training_data import DATA, BodyBank, Sample, load_samples
 
@@ -30,11 +30,8 @@ OUTER = ("net.0.weight", "net.6.weight")
 @torch.no_grad()
 def target(net: DeePSD, sample: Sample, pose: torch.Tensor, shape: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
     """Descriptors (N, width) and the basis form's offsets (P, N, 3) of an outfit in P poses."""
-    _, node_basis, node_descriptors = net.static(sample.features, sample.prior, sample.graph)
-    spread = lambda field: gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)  # noqa: E731
-    basis = spread(node_basis).reshape(len(sample.vertices), 3, -1)
-    coefficients = net.coefficients(pose, shape.expand(len(pose), -1))
-    return spread(node_descriptors), torch.einsum("nkr,pr->pnk", basis, coefficients)
+    _, *nodes = net.static(sample.features, sample.prior, sample.graph)
+    return sample.at_vertices(nodes[1]), net.offsets(sample, tuple(nodes), pose, shape)
 
 
 def learn(net: DeePSD, concat: ConcatenatedPsi, samples: list[Sample], bank: BodyBank, minutes: float) -> float:

@@ -27,7 +27,7 @@ from cloth_energy import Posed
 from energies import RestMesh
 from fabric import Fabric
 from garment.binding import garment_joint_names
-from nets.deepsd import gather_mean, skin, top_four
+from nets.deepsd import skin, top_four
 from posed_bodies import Bodies, bent
 from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_samples
 
@@ -217,7 +217,7 @@ def skinned(sample: Sample, rest: Tensor, transforms: Tensor) -> Posed:
 @torch.no_grad()
 def influences(sample: Sample) -> tuple[Tensor, Tensor]:
     """Diffused weights of the body at each vertex, (N, 4), and their joints, (N, 4)."""
-    return top_four(gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight))
+    return top_four(sample.at_vertices(sample.prior))
 
 
 def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Tensor:

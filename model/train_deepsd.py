@@ -25,7 +25,7 @@ import energies
 import optimisers
 from cloth_energy import Contacts, Posed
 from energies import RestMesh
-from nets.deepsd import Coefficients, Sizes, StaticPass, gather_mean, pose_features, skin, top_four
+from nets.deepsd import Coefficients, Sizes, StaticPass, pose_features, skin, top_four
 from posed_bodies import Bodies
 from training_data import DATA, BodyBank, OutfitPool, Sample, ShapedPoses, TargetPool, carry, load_samples
 
@@ -67,14 +67,9 @@ class DeePSD(nn.Module):
 
     def offsets(self, sample: Sample, nodes: tuple[Tensor, Tensor], pose: Tensor, shape: Tensor) -> Tensor:
         """Psi of every vertex: basis and descriptors of the nodes, (P, POSE), (1, SHAPE) -> (P, N, 3), metres."""
-        basis = to_vertices(nodes[0], sample)
+        basis = sample.at_vertices(nodes[0])
         coefficients = self.coefficients(pose, shape.expand(len(pose), -1))
         return torch.einsum("nkr,pr->pnk", basis.reshape(len(basis), 3, -1), coefficients)
-
-
-def to_vertices(field: Tensor, sample: Sample) -> Tensor:
-    """A field of the nodes (M, F) at the vertices (N, F)."""
-    return gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)
 
 
 @dataclass(frozen=True)
@@ -97,7 +92,7 @@ def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: 
         node_weights, *nodes = (each.float() for each in net.static(sample.features, sample.prior, sample.graph))
     transforms = entry.transforms[poses]
     offset = net.offsets(sample, tuple(nodes), pose_features(transforms, parents), entry.shape)
-    weight, joint = top_four(to_vertices(node_weights, sample))
+    weight, joint = top_four(sample.at_vertices(node_weights))
     posed, up = skin(rest + offset, weight, joint, transforms)
     skinned, _ = skin(rest.expand_as(offset), weight, joint, transforms)
     return Draped(posed, skinned, up, rest, offset, node_weights)

@@ -53,6 +53,10 @@ class Sample:
     layer_gap: Tensor  # (Q,) rest distance to it
     held: Tensor  # (H,) vertices of waistbands
 
+    def at_vertices(self, field: Tensor) -> Tensor:
+        """A field of the nodes (M, F) at the vertices (N, F)."""
+        return gather_mean(field, self.vertex_from_node, self.vertex_from_node_weight)
+
 
 def prepare(mesh: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """All tables of an outfit as arrays (see `Sample`), from its vertices, triangles and the garment of each vertex."""
@@ -279,7 +283,7 @@ def shape_vector(body: AnnyBody, phenotypes: dict[str, float], local: dict[str, 
 @torch.no_grad()
 def carry(sample: Sample, bank: BodyBank, entry: ShapedPoses) -> tuple[Tensor, RestMesh]:
     """The outfit on another body shape, pushed out where the carried cloth would enter the skin: (N, 3), tables."""
-    prior = gather_mean(sample.prior, sample.vertex_from_node, sample.vertex_from_node_weight)
+    prior = sample.at_vertices(sample.prior)
     weight, joint = top_four(prior)
     kept = torch.zeros_like(prior).scatter(1, joint, weight)
     field = (sample.vertex_from_node, sample.vertex_from_node_weight, sample.graph.near, sample.graph.near_weight)

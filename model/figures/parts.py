@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from body.anny_body import AnnyBody
 from body.humanoid import joint_rotations
 from export import ARTIFACTS, run_onnx
-from nets.deepsd import Graph, gather_mean, pose_features, skin, top_four
+from nets.deepsd import Graph, pose_features, skin, top_four
 from outfits.held_out import held_out
 from training_data import BodyBank, Sample, ShapedPoses, load_sample
 
@@ -56,12 +56,11 @@ def parts(sample: Sample, garment: NDArray, bank: BodyBank, entry: ShapedPoses) 
     moved = run_onnx(
         ARTIFACTS / "deepsd" / "dynamic.onnx", {"pose": pose, "shape": entry.shape[None].numpy(), "basis": rows}
     )[0]
-    spread = lambda field: gather_mean(field, sample.vertex_from_node, sample.vertex_from_node_weight)  # noqa: E731
     at_nodes = torch.as_tensor(moved).reshape(count, nodes, 3)
-    offsets = torch.stack([spread(frame) for frame in at_nodes])
-    own, rest = spread(weights), sample.vertices
+    offsets = torch.stack([sample.at_vertices(frame) for frame in at_nodes])
+    own, rest = sample.at_vertices(weights), sample.vertices
     posed = skin(rest + offsets, *top_four(own), entry.transforms)[0]
-    skinned = skin(rest.expand_as(offsets), *top_four(spread(sample.prior)), entry.transforms)[0]
+    skinned = skin(rest.expand_as(offsets), *top_four(sample.at_vertices(sample.prior)), entry.transforms)[0]
     return Parts(sample, garment, own, offsets, posed, skinned)
 
 
