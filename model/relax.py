@@ -55,6 +55,8 @@ FAR = 0.06
 LITTLE = 0.3
 #: J/m2 per m2, stiffness that keeps waistbands where they are.
 FIRM = 1e6
+#: m from where skinning puts it: what lies farther has fallen off, as a bow that nothing holds.
+FALLEN = 0.6
 
 
 @dataclass(frozen=True)
@@ -220,9 +222,15 @@ def influences(sample: Sample) -> tuple[Tensor, Tensor]:
     return top_four(sample.at_vertices(sample.prior))
 
 
-def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor) -> Tensor:
+def relaxed(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, steps: int = STEPS) -> Tensor:
     """An outfit on one body, relaxed in several poses, (P, N, 3) world."""
-    return follow(sample, Worn.of(sample, bank, entry, len(poses)), bank, Bodies.of(entry, poses))
+    return follow(sample, Worn.of(sample, bank, entry, len(poses)), bank, Bodies.of(entry, poses), steps)
+
+
+def worn_still(sample: Sample, bank: BodyBank, entry: ShapedPoses, poses: Tensor, x: Tensor) -> Tensor:
+    """Which drapes x (P, N, 3) have no piece that fell off, (P,)."""
+    start = skinned(sample, carry(sample, bank, entry)[0].expand_as(x), entry.transforms[poses])
+    return (x - start.skinned).norm(dim=-1).amax(1) < FALLEN
 
 
 def follow(sample: Sample, worn: Worn, bank: BodyBank, bodies: Bodies, steps: int = STEPS) -> Tensor:
@@ -262,6 +270,7 @@ def main() -> None:
     p.add_argument("--outfits", type=Path, default=DATA / "outfits" / "train")
     p.add_argument("--out", type=Path, default=DATA / "relaxed")
     p.add_argument("--poses", type=int, default=4, help="of each outfit on one body")
+    p.add_argument("--steps", type=int, default=320, help="in the pose itself")
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--limit", type=int, help="stop after this many outfits (smoke runs)")
     a = p.parse_args()
@@ -277,7 +286,11 @@ def main() -> None:
         path = a.out / f"{sample.name}_{k}_{a.seed}.npz"
         if path.exists():
             continue
-        x = relaxed(sample, bank, entry, poses)
+        x = relaxed(sample, bank, entry, poses, a.steps)
+        worn = worn_still(sample, bank, entry, poses, x)
+        if not worn.any():
+            continue
+        x, poses = x[worn], poses[worn]
         part = path.with_suffix(".part.npz")
         np.savez(part, outfit=sample.name, entry=k, poses=poses.numpy(), transforms=entry.transforms[poses], x=x)
         part.rename(path)

@@ -64,6 +64,12 @@ def test_a_skirt_stays_at_its_waistband(skirt: Sample, bank: BodyBank, relaxed: 
     assert moved.max() > 0.02
 
 
+def test_a_drape_with_a_piece_that_fell_off_is_no_target(skirt: Sample, bank: BodyBank, relaxed: Tensor) -> None:
+    fallen = relaxed.clone()
+    fallen[1, 0, 1] -= 1.0
+    assert relax.worn_still(skirt, bank, bank.entries[1], POSES, fallen).tolist() == [True, False, True]
+
+
 def test_bodies_bend_from_the_a_pose_to_the_pose_and_stay_whole(bank: BodyBank) -> None:
     bodies = Bodies.of(bank.entries[1], POSES)
     posed, joints = bodies.transforms.double().numpy(), bodies.joints.double().numpy()
