@@ -165,6 +165,31 @@ test("pixel cloth shows its images beside the cloth, and they move with the pose
   assert.equal(await image.count(), 0);
 });
 
+test("another method stands beside the drape, and the simulation where there is one", async () => {
+  const wear = (name) => room.page.locator("[data-outfit]", { hasText: name }).click();
+  const choice = room.page.locator('[name="compare"]');
+  const other = room.page.locator(".compare__label--other");
+  const beside = () => room.page.evaluate(() => document.querySelectorAll("toile-viewer")[1]?.stats());
+  await room.tab("outfits");
+  if (await room.page.locator('[data-outfit][aria-pressed="true"]', { hasText: "Oxford" }).count() === 0) await room.change(() => wear("Oxford"));
+  assert.equal(await choice.locator('[value="simulation"]').count(), 0, "of this outfit there is none");
+  await choice.selectOption("skinning");
+  await other.filter({ hasText: "Skinning only" }).waitFor();
+  assert.match(await other.textContent(), /ms · \d+\.\d cm apart/);
+  assert.equal((await beside()).vertices, (await room.stats()).vertices);
+  await room.change(() => wear("Hero T-shirt"));
+  await choice.selectOption("simulation");
+  const notice = room.page.locator(".compare__notice");
+  await room.change(() => notice.getByRole("button", { name: "standing" }).click());
+  await other.filter({ hasText: "Simulation" }).waitFor();
+  assert.match(await other.textContent(), /\d+\.\d cm apart/);
+  await room.screenshot("compare");
+  await choice.selectOption("");
+  assert.equal(await beside(), undefined);
+  await room.change(() => wear("Oxford"));
+  assert.deepEqual(room.errors, []);
+});
+
 test("a colour tints the cloth without asking the service", async () => {
   await room.tab("fabric");
   const { drapes } = await room.stats();

@@ -1,4 +1,4 @@
-import { beforeEach, describe, expect, it } from "vitest";
+import { beforeEach, describe, expect, it, vi } from "vitest";
 import { Box3, Vector3 } from "three";
 import { CameraRig } from "../src/viewer/camera_rig";
 
@@ -47,5 +47,23 @@ describe("CameraRig", () => {
     press("ArrowLeft");
     rig.follow(figure(2.4));
     expect(distance()).toBeGreaterThan(first * 1.1);
+  });
+
+  it("looks where another one does, whichever of them is turned, until it goes", () => {
+    const [there, redrawn] = [document.createElement("div"), vi.fn()];
+    const other = new CameraRig(there, redrawn);
+    other.resize(800, 800);
+    press("ArrowLeft");
+    other.share(rig);
+    expect(other.camera.position.distanceTo(rig.camera.position)).toBeLessThan(1e-6);
+    press("ArrowUp");
+    expect(other.camera.position.distanceTo(rig.camera.position)).toBeLessThan(1e-6);
+    expect(redrawn).toHaveBeenCalled();
+    there.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
+    expect(other.camera.position.distanceTo(rig.camera.position)).toBeLessThan(1e-6);
+    other.dispose();
+    const last = other.camera.position.clone();
+    press("ArrowLeft");
+    expect(other.camera.position.distanceTo(last)).toBe(0);
   });
 });

@@ -41,6 +41,14 @@ describe("Figure", () => {
     expect(meshNamed(figure, "dress").geometry.getAttribute("position").array[0]).toBeCloseTo(0.2);
   });
 
+  it("tells how far its cloth is from another drape's, and not the body", async () => {
+    const wider = await loadFigure(tubeGlb([{ name: "dress", radius: 0.23 }, { name: "body", radius: 0.15 }]));
+    expect(figure.distanceTo(wider)).toBeCloseTo(0.03, 5);
+    expect(figure.distanceTo(figure)).toBe(0);
+    const finer = await loadFigure(tubeGlb([{ name: "dress", radius: 0.2, rings: 5 }, { name: "body", radius: 0.1 }]));
+    expect(figure.distanceTo(finer)).toBeUndefined();
+  });
+
   it("counts the garments and not the body", () => {
     expect(figure.stats()).toMatchObject({ vertices: 24, triangles: 32 });
     expect(figure.garments.map(({ name }) => name)).toEqual(["dress"]);

@@ -1,5 +1,6 @@
 import { expect, it, vi } from "vitest";
 import type { Outfit } from "../src/api/types";
+import { canDrape } from "../src/page/methods";
 import { MethodPanel } from "../src/page/method_panel";
 
 const outfit = (kinds?: Outfit["kinds"]): Outfit => ({
@@ -68,4 +69,12 @@ it("offers pixel cloth where the outfit's garments have a network", () => {
   choose(panel, "pixel_cloth");
   expect(chosen).toHaveBeenLastCalledWith({ method: "pixel_cloth", kinds: {} });
   expect(panel.showOutfit(outfit()).method).toBe("deepsd");
+});
+
+it("knows which methods can stand beside a drape", () => {
+  const simulated = { ...outfit(), methods: ["deepsd", "simulation"] };
+  expect(canDrape("simulation", simulated, {})).toBe(true);
+  expect(canDrape("simulation", outfit(), {})).toBe(false);
+  expect(canDrape("garnet", outfit(), { jeans: "jeans" })).toBe(false);
+  expect(canDrape("skinning", outfit(), {})).toBe(true);
 });

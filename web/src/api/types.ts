@@ -1,6 +1,6 @@
 /** Wire types of the HTTP API (docs/api.md). Centimetres and kilograms in measurements, metres elsewhere. */
 
-export type Method = "deepsd" | "deepsd-concat" | "garnet" | "pixel_cloth" | "skinning";
+export type Method = "deepsd" | "deepsd-concat" | "garnet" | "pixel_cloth" | "simulation" | "skinning";
 /** Kinds of garments that GarNet++ is trained on. */
 export type GarmentKind = "tee" | "sweater" | "dress" | "jeans";
 /** Kinds by the garments' names. */
@@ -38,6 +38,12 @@ export interface ClothPicture {
   preview: string;
 }
 
+/** A pose that an outfit was simulated in, on the reference body. */
+export interface SimulatedOn {
+  body: Body;
+  pose: Pose;
+}
+
 export interface Outfit {
   id: string;
   name: string;
@@ -46,6 +52,7 @@ export interface Outfit {
   garments: Garment[];
   methods: string[];
   kinds?: Kinds;
+  simulated?: SimulatedOn[];
   created_at: string;
   links: { self: string; static: string; thumbnail: string | null; bake: string | null };
   report?: MendingReport;

@@ -18,6 +18,11 @@ export class BodyPanel {
     void this.load();
   }
 
+  /** Forgets what was given: the reference body's own figures stand again. Tells nobody. */
+  reset(): void {
+    void this.load();
+  }
+
   private async load(): Promise<void> {
     this.element.replaceChildren(loading("Loading the body…"));
     try {

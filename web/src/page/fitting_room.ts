@@ -1,9 +1,10 @@
 import { ToileApi } from "../api/client";
-import type { Body, Outfit, VertexAttribute } from "../api/types";
+import type { Body, Outfit, SimulatedOn, VertexAttribute } from "../api/types";
 import { PortraitStudio } from "../viewer/portrait";
 import type { ToileViewer } from "../viewer/element";
 import type { DrapeDetail, ViewerEventMap } from "../viewer/events";
 import { BodyPanel } from "./body_panel";
+import { CompareView } from "./compare_view";
 import { make } from "./dom";
 import { FabricPanel } from "./fabric_panel";
 import { Gallery } from "./gallery";
@@ -22,12 +23,15 @@ export class FittingRoom {
   private readonly details = new OutfitDetails(this.api, (id) => this.forget(id));
   private readonly upload = new UploadZone(this.api, (outfit) => this.welcome(outfit));
   private readonly poses = new PosePanel(this.api, (choice) => this.pose(choice));
-  private readonly fabric = new FabricPanel((garment, color) => this.viewer.tint(garment, color));
+  private readonly fabric = new FabricPanel((garment, color) => this.tint(garment, color));
+  private readonly bodyPanel = new BodyPanel(this.api, (body: Body | null) => { this.viewer.body = body; });
   private readonly insight: InsightPanel;
   private readonly overlay: StageOverlay;
+  private readonly compare: CompareView;
   private readonly player: Player;
   private readonly tabs: Tabs;
   private worn: string | undefined;
+  private chosen: Outfit | undefined;
   private lastPose = "a-pose";
 
   constructor(
@@ -37,7 +41,10 @@ export class FittingRoom {
   ) {
     this.insight = new InsightPanel(
       (heat: VertexAttribute | null) => { this.viewer.heat = heat; },
-      (choice) => this.viewer.set(choice),
+      (choice) => {
+        this.viewer.set(choice);
+        this.compare.showOutfit(this.chosen, choice.kinds);
+      },
     );
     this.overlay = new StageOverlay({
       look: (view) => this.viewer.look(view),
@@ -49,8 +56,9 @@ export class FittingRoom {
       seek: (share) => this.viewer.seek(share),
       close: () => this.pose({ kind: "pose", id: this.lastPose }),
     });
+    this.compare = new CompareView(viewer, stage, (on) => this.goTo(on));
     this.tabs = this.buildTabs();
-    stage.append(...this.overlay.elements, this.player.element);
+    stage.append(...this.overlay.elements, ...this.compare.elements, this.player.element);
     panel.append(this.tabs.element);
     document.body.append(this.upload.veil);
     this.listen();
@@ -65,11 +73,10 @@ export class FittingRoom {
   }
 
   private buildTabs(): Tabs {
-    const bodyPanel = new BodyPanel(this.api, (body: Body | null) => { this.viewer.body = body; });
     const outfits = make("div", { className: "stack" }, this.gallery.element, this.upload.element, this.details.element);
     return new Tabs("Choices", [
       { id: "outfits", label: "Outfits", content: outfits },
-      { id: "body", label: "Body", content: bodyPanel.element },
+      { id: "body", label: "Body", content: this.bodyPanel.element },
       { id: "pose", label: "Pose", content: this.poses.element },
       { id: "fabric", label: "Fabric", content: this.fabric.element },
       { id: "insight", label: "Insight", content: this.insight.element },
@@ -79,7 +86,10 @@ export class FittingRoom {
   private listen(): void {
     this.on("toile-loading", ({ busy, first }) => this.overlay.showLoading(busy, first));
     this.on("toile-error", ({ problem }) => this.overlay.showProblem(problem));
-    this.on("toile-playback", (state) => this.player.show(state));
+    this.on("toile-playback", (state) => {
+      this.player.show(state);
+      if (state) this.compare.seek(state.time / state.duration);
+    });
     this.on("toile-drape", (detail) => this.showDrape(detail));
   }
 
@@ -89,6 +99,7 @@ export class FittingRoom {
 
   private showDrape(detail: DrapeDetail): void {
     this.overlay.showDrape(detail);
+    this.compare.showDrape(detail);
     this.insight.showDrape(detail);
     this.fabric.show(detail.garments, this.worn !== detail.outfit);
     this.worn = detail.outfit;
@@ -98,16 +109,36 @@ export class FittingRoom {
     this.gallery.select(outfit.id);
     this.overlay.showOutfit(outfit);
     void this.details.show(outfit, openReport);
-    this.viewer.set({ outfit: outfit.id, ...this.insight.showOutfit(outfit) });
+    this.chosen = outfit;
+    const choice = this.insight.showOutfit(outfit);
+    this.compare.showOutfit(outfit, choice.kinds);
+    this.viewer.set({ outfit: outfit.id, ...choice });
     history.replaceState(null, "", `?outfit=${encodeURIComponent(outfit.id)}`);
   }
 
   private undress(): void {
     this.gallery.select(undefined);
     this.overlay.showOutfit(undefined);
+    this.chosen = undefined;
+    this.compare.showOutfit(undefined, {});
     void this.details.show(undefined);
     this.viewer.outfit = null;
     history.replaceState(null, "", location.pathname);
+  }
+
+  private tint(garment: string, color: string | undefined): void {
+    this.viewer.tint(garment, color);
+    this.compare.tint(garment, color);
+  }
+
+  /** Shows what the simulation beside it is of. */
+  private goTo({ pose }: SimulatedOn): void {
+    if (this.viewer.body) this.bodyPanel.reset();
+    if (pose.kind === "preset") {
+      this.lastPose = pose.id;
+      this.poses.select({ kind: "pose", id: pose.id });
+    }
+    this.viewer.set({ body: null, pose });
   }
 
   private pose(choice: PoseChoice): void {

@@ -1,6 +1,7 @@
 import "../styles/tokens.css";
 import "../styles/layout.css";
 import "../styles/stage.css";
+import "../styles/compare.css";
 import "../styles/controls.css";
 import "../styles/panels.css";
 import "../viewer/index";

@@ -1,13 +1,6 @@
-import type { GarmentKind, Garment, Kinds, Method, Outfit } from "../api/types";
+import type { Garment, GarmentKind, Kinds, Method, Outfit } from "../api/types";
 import { make } from "./dom";
-
-const METHODS: readonly { id: Method; name: string; text: string }[] = [
-  { id: "deepsd", name: "DeePSD", text: "Learned folds, in real time, for any garment." },
-  { id: "garnet", name: "GarNet++", text: "A network for one kind of garment, which sees the body as points." },
-  { id: "pixel_cloth", name: "Pixel cloth", text: "A network of this very garment, which draws its folds as images." },
-  { id: "deepsd-concat", name: "DeePSD, as printed", text: "The paper's per-vertex network. Slower; for comparison." },
-  { id: "skinning", name: "Skinning only", text: "Follows the bones; nothing learned." },
-];
+import { canDrape, METHODS } from "./methods";
 
 const KINDS: readonly { id: GarmentKind; name: string }[] = [
   { id: "tee", name: "T-shirt" },
@@ -27,19 +20,17 @@ export class MethodPanel {
   readonly element: HTMLElement;
   private readonly inputs = new Map<Method, HTMLInputElement>();
   private readonly kindRows = make("div", { className: "kinds" });
-  private garments: readonly Garment[] = [];
-  private hasNetwork = false;
+  private outfit: Outfit | undefined;
   private choice: MethodChoice = { method: "deepsd", kinds: {} };
 
   constructor(private readonly onChoose: (choice: MethodChoice) => void) {
-    const options = METHODS.map((method) => this.option(method));
+    const options = METHODS.filter(({ id }) => id !== "simulation").map((method) => this.option(method));
     this.element = make("div", { className: "methods", role: "radiogroup", aria: { label: "Method" } }, ...options);
   }
 
   /** Offers what can drape the outfit, and returns what is chosen for it. */
   showOutfit(outfit: Outfit): MethodChoice {
-    this.garments = outfit.garments;
-    this.hasNetwork = outfit.methods.includes("pixel_cloth");
+    this.outfit = outfit;
     this.choice = { ...this.choice, kinds: { ...outfit.kinds } };
     this.kindRows.replaceChildren(...outfit.garments.map((garment) => this.kindRow(garment)));
     this.refresh();
@@ -78,10 +69,10 @@ export class MethodPanel {
     this.onChoose(this.choice);
   }
 
-  /** GarNet++ needs a kind of every garment, pixel cloth a network of it; without, DeePSD takes their place. */
+  /** What cannot drape the outfit is not offered; DeePSD takes its place. */
   private refresh(): void {
-    const known = this.garments.every(({ name }) => this.choice.kinds[name] !== undefined);
-    const able = (method: Method): boolean => (method === "garnet" ? known : method !== "pixel_cloth" || this.hasNetwork);
+    const { outfit } = this;
+    const able = (method: Method): boolean => outfit !== undefined && canDrape(method, outfit, this.choice.kinds);
     if (!able(this.choice.method)) this.choice = { ...this.choice, method: "deepsd" };
     for (const [method, input] of this.inputs) {
       input.disabled = !able(method);

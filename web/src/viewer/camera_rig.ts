@@ -19,6 +19,7 @@ export class CameraRig {
   private framed = false;
   /** The distance that was last fitted; another one is the shopper's own, and is left alone. */
   private fitted = 0;
+  private shared: CameraRig[] = [];
 
   constructor(element: HTMLElement, onChange: () => void) {
     this.controls = new OrbitControls(this.camera, element);
@@ -29,11 +30,37 @@ export class CameraRig {
     this.controls.maxPolarAngle = 1.62;
     this.controls.minDistance = 0.9;
     this.controls.maxDistance = 9;
-    this.controls.addEventListener("change", onChange);
+    this.controls.addEventListener("change", () => {
+      for (const other of this.shared) other.lookAs(this);
+      onChange();
+    });
     element.addEventListener("keydown", (event) => {
       if (this.turnByKey(event.key)) event.preventDefault();
     });
     this.look("front");
+  }
+
+  /** From now on two cameras look the same way, whichever of them is moved; each ends it by `unshare`. */
+  share(other: CameraRig): void {
+    this.lookAs(other);
+    this.shared.push(other);
+    other.shared.push(this);
+  }
+
+  unshare(): void {
+    for (const other of this.shared) other.shared = other.shared.filter((rig) => rig !== this);
+    this.shared = [];
+  }
+
+  private lookAs(other: CameraRig): void {
+    const same = this.camera.position.distanceToSquared(other.camera.position) < 1e-12;
+    if (same && this.controls.target.equals(other.controls.target)) return;
+    this.framed = other.framed;
+    [this.figureHeight, this.figureWidth, this.fitted] = [other.figureHeight, other.figureWidth, other.fitted];
+    this.target.copy(other.target);
+    this.controls.target.copy(other.controls.target);
+    this.camera.position.copy(other.camera.position);
+    this.controls.update();
   }
 
   /** Lets the view coast; true while it still moves. */
@@ -119,6 +146,7 @@ export class CameraRig {
   }
 
   dispose(): void {
+    this.unshare();
     this.controls.dispose();
   }
 }

@@ -122,6 +122,17 @@ export class ToileViewer extends HTMLElement {
     this.stage?.rig.look(view);
   }
 
+  /** From now on this viewer and another one look the same way, whichever of them is turned. Both are on the page. */
+  shareView(other: ToileViewer): void {
+    if (this.stage && other.stage) this.stage.rig.share(other.stage.rig);
+  }
+
+  /** Mean distance between the cloth of two viewers, metres; undefined where it is not of the same vertices, or moves. */
+  distanceTo(other: ToileViewer): number | undefined {
+    const [own, theirs] = [this.stage?.figure, other.stage?.figure];
+    return own && theirs && !this.playback && !other.playback ? own.distanceTo(theirs) : undefined;
+  }
+
   togglePlayback(playing?: boolean): void {
     this.playback?.toggle(playing);
     this.stage?.invalidate();

@@ -107,6 +107,22 @@ export class Figure {
     return { vertices, triangles, positionSum };
   }
 
+  /** Mean distance of the cloth's vertices to those of another figure, metres; undefined where it has others. */
+  distanceTo(other: Figure): number | undefined {
+    let [sum, count] = [0, 0];
+    for (const part of this.parts) {
+      if (!part.cloth) continue;
+      const here = part.mesh.geometry.getAttribute("position");
+      const there = other.parts.find(({ key }) => key === part.key)?.mesh.geometry.getAttribute("position");
+      if (there?.count !== here.count) return undefined;
+      for (let i = 0; i < here.count; i++) {
+        sum += Math.hypot(here.getX(i) - there.getX(i), here.getY(i) - there.getY(i), here.getZ(i) - there.getZ(i));
+      }
+      count += here.count;
+    }
+    return count > 0 ? sum / count : undefined;
+  }
+
   dispose(): void {
     for (const { mesh, cloth } of this.parts) {
       mesh.geometry.dispose();
