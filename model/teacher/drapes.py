@@ -31,12 +31,12 @@ from outfits.held_out import held_out, write_obj
 from outfits.resolutions import coarser
 from training_data import DATA, random_shape
 
-from .checks import Limits, crossing, fault, judge
+from .checks import Judged, Limits, crossing, fault, judge
 from .colliders import touched
 from .weight import pull
 
 if TYPE_CHECKING:
-    from .simulation import Cloth
+    from .simulation import Cloth, Resting
 
 Floats = NDArray[np.floating]
 
@@ -81,13 +81,13 @@ def prepare(size: Size, out: Path) -> list[Path]:
     return folders
 
 
-def draped(folder: Path, method: str) -> dict[str, NDArray]:
-    """The service's drapes of a folder's outfit (`toile evaluate --keep`)."""
-    kept = folder / method
+def draped(folder: Path, method: str, outfit: Path | None = None) -> dict[str, NDArray]:
+    """The service's drapes of an outfit, by default the folder's own (`toile evaluate --keep`)."""
+    kept, outfit = folder / method, outfit or folder / "outfit.obj"
     kept.mkdir(exist_ok=True)
     command = [TOILE, "evaluate", "--method", method, "--set", folder / "set.json", "--keep", kept]
-    subprocess.run([*command, folder / "outfit.obj"], check=True, stdout=subprocess.DEVNULL)
-    return load_file(kept / "outfit.safetensors")
+    subprocess.run([*command, outfit], check=True, stdout=subprocess.DEVNULL)
+    return load_file(kept / f"{outfit.stem}.safetensors")
 
 
 @dataclass(frozen=True)
@@ -121,19 +121,23 @@ def simulate(run: Run) -> None:
     """Simulates and keeps one drape, if it is not there yet."""
     if run.path.exists():
         return
+    start = load_file(run.folder / "skinning" / "outfit.safetensors")
+    end, judged = settled(start, run.body, run.pose, PERTURBED if run.perturbed else 0.0)
+    np.savez_compressed(run.path, x=end.x.astype(np.float32), steps=end.steps, **asdict(judged))
+    print(f"{run.name}: {end.steps} steps, {judged.fault(Limits()) or 'good'}", flush=True)
+
+
+def settled(start: dict[str, NDArray], body: int, pose: int, moved: float = 0.0) -> tuple[Resting, Judged]:
+    """Where an outfit comes to rest from its drape by skinning, vertices `moved` (m) at random; how good that is."""
     # Its kernels take a minute to compile where nothing needs them.
     from .simulation import Settings, equilibrium
 
-    start = load_file(run.folder / "skinning" / "outfit.safetensors")
-    cloth, surface = scene(start, run.body, run.pose)
-    x = start["resolved"][run.body, run.pose]
-    if run.perturbed:
-        x = x + np.random.default_rng(run.body).normal(0, PERTURBED, x.shape).astype(np.float32)
+    cloth, surface = scene(start, body, pose)
+    x = start["resolved"][body, pose]
+    already = crossing(x, cloth.triangles)
+    x = x + np.random.default_rng(body).normal(0, moved, x.shape).astype(np.float32)
     end = equilibrium(cloth, x, surface, Settings())
-    already = crossing(start["resolved"][run.body, run.pose], cloth.triangles)
-    judged = judge(end.x, end.residual, (already, cloth.rest), cloth.triangles, surface)
-    np.savez_compressed(run.path, x=end.x.astype(np.float32), steps=end.steps, **asdict(judged))
-    print(f"{run.name}: {end.steps} steps, {judged.fault(Limits()) or 'good'}", flush=True)
+    return end, judge(end.x, end.residual, (already, cloth.rest), cloth.triangles, surface)
 
 
 def scene(start: dict[str, NDArray], body: int, pose: int) -> tuple[Cloth, tuple[Floats, NDArray]]:

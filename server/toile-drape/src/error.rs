@@ -49,6 +49,9 @@ pub enum DrapeError {
         /// Its name.
         garment: String,
     },
+    /// A body or a pose that the outfit was not simulated in.
+    #[error("no simulation of this outfit was kept on this body in this pose")]
+    NotSimulated,
     /// A motion without poses.
     #[error("there is no pose to drape")]
     NoPose,

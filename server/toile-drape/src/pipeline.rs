@@ -13,7 +13,7 @@ use crate::contact::Collider;
 use crate::error::DrapeError;
 use crate::fitted::{Fitted, lengths};
 use crate::hero::Hero;
-use crate::methods::{ClothImages, GarmentKind, MethodKind, Placement, Wearer};
+use crate::methods::{ClothImages, GarmentKind, MethodKind, Placement, SimulatedDrape, Wearer};
 use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
@@ -47,6 +47,8 @@ pub struct DrapeRequest<'a> {
     pub kinds: &'a [GarmentKind],
     /// A pixel-cloth network of the outfit's own, beside those of the studio.
     pub hero: Option<&'a Hero>,
+    /// Kept simulations of the outfit, for the method that shows them.
+    pub simulated: &'a [SimulatedDrape],
     /// Whether cloth inside the body or under inner garments is moved out afterwards.
     pub resolve: bool,
 }
@@ -150,6 +152,7 @@ pub fn drape(
         bodies: &posed.bodies,
         seen: &studio.seen,
         heroes: &heroes,
+        simulated: request.simulated,
     };
     let method = request.method.method();
     let placement = timing.time("dynamic", || method.dynamic_pass(&wearer, networks))?;
@@ -223,12 +226,14 @@ fn drape_frame(
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, transforms));
     let ring = &scene.studio.reference.ring;
     let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
-    let resolved = timing.time("resolve", || {
-        if scene.request.resolve {
-            resolve(outfit, statics, scene.fitted, &skin, &mut positions)
-        } else {
-            Resolved::default()
+    let resolved = timing.time("resolve", || match scene.placement {
+        // Where cloth lies inside the body is told, but it stays there.
+        Placement::Finished(_) => {
+            let found = resolve(outfit, statics, scene.fitted, &skin, &mut positions.clone());
+            Resolved { inside_after: found.inside_before, ..found }
         }
+        _ if scene.request.resolve => resolve(outfit, statics, scene.fitted, &skin, &mut positions),
+        _ => Resolved::default(),
     });
     let normals = timing.time("normals", || vertex_normals(&positions, &outfit.triangles));
     let (strain, mut quality) = timing.time("quality", || strains(scene, &positions));

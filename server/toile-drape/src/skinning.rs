@@ -19,7 +19,7 @@ pub fn place(placement: &Placement<'_>, frame: usize, rest: &[Vec3], transforms:
                 })
                 .collect()
         }
-        Placement::World(frames) | Placement::Pixels { frames, .. } => {
+        Placement::World(frames) | Placement::Finished(frames) | Placement::Pixels { frames, .. } => {
             frames.get(frame).cloned().unwrap_or_default()
         }
     }

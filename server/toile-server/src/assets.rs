@@ -13,6 +13,7 @@ use toile_geometry::poses::{PoseLibrary, PoseLibraryError};
 use toile_gltf::BodyTemplate;
 
 use crate::hash::short_hash;
+use crate::simulations::{SimulationError, Simulations};
 
 /// Scans whose bodies are kept, a sixth of a megabyte each.
 const SCANS: usize = 256;
@@ -37,6 +38,9 @@ pub enum AssetError {
     /// The poses.
     #[error(transparent)]
     Poses(#[from] PoseLibraryError),
+    /// Simulated drapes.
+    #[error(transparent)]
+    Simulations(#[from] SimulationError),
 }
 
 /// Immutable, shared by everything.
@@ -49,6 +53,8 @@ pub struct Assets {
     pub poses: PoseLibrary,
     /// Bodies of recent scans by their ids: in memory alone, because they are of people.
     pub scans: Recent<String, BodyShape>,
+    /// Simulated drapes of demo outfits.
+    pub simulations: Simulations,
     /// What all GLBs with a body have in common.
     pub body_template: BodyTemplate,
     /// Content hash of the body, part of the address of every static pass.
@@ -68,14 +74,17 @@ impl Assets {
         let body_hash = short_hash([bytes.as_slice()]);
         let body_template = BodyTemplate::new(body.vertex_count(), body.triangles());
         let reference = Arc::new(body.shape(&BodyShape::default()));
-        Ok(Self {
+        let mut assets = Self {
             studio: Studio::new(body, heroes)?,
             reference,
             poses,
+            simulations: Simulations::default(),
             body_template,
             body_hash,
             scans: Recent::new(SCANS),
-        })
+        };
+        assets.simulations = Simulations::load(folder, &assets)?;
+        Ok(assets)
     }
 
     /// The body.

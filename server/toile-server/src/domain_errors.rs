@@ -112,6 +112,12 @@ impl From<DrapeError> for ApiError {
             let detail = format!("{} The method \"deepsd\" drapes any garment.", sentence(&error));
             return Self::new(Code::NoPixelCloth, detail).at("/output/method");
         }
+        if let DrapeError::NotSimulated = error {
+            let advice =
+                "GET /v1/outfits/{id} lists in `simulated` what was; \"deepsd\" drapes any body in any pose.";
+            return Self::new(Code::NotSimulated, format!("{} {advice}", sentence(&error)))
+                .at("/output/method");
+        }
         Self::internal(error)
     }
 }

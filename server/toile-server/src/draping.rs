@@ -53,6 +53,7 @@ pub fn drape(
         method: request.method()?,
         kinds: &kinds(prepared, request)?,
         hero: prepared.hero.as_ref().map(|(hero, _)| hero),
+        simulated: assets.simulations.of(&request.outfit).map_or(&[], |kept| &kept.drapes),
         resolve: true,
     };
     let drape = pipeline::drape(&assets.studio, &work, networks)?;

@@ -53,6 +53,8 @@ pub enum Code {
     UnknownKind,
     /// `pixel_cloth` for a garment without a network.
     NoPixelCloth,
+    /// `simulation` for a body or a pose that there is none of.
+    NotSimulated,
     /// A normal map of a garment whose UVs do not do for it.
     NoUvs,
     /// A normal map of a sequence.
@@ -156,6 +158,9 @@ impl Code {
             }
             Self::NoPixelCloth => {
                 (S::UNPROCESSABLE_ENTITY, "no-pixel-cloth", "There is no pixel-cloth network of this garment")
+            }
+            Self::NotSimulated => {
+                (S::UNPROCESSABLE_ENTITY, "not-simulated", "There is no simulation of this drape")
             }
             Self::NoUvs => {
                 (S::UNPROCESSABLE_ENTITY, "no-uvs", "A garment has no UVs that a normal map could use")

@@ -69,6 +69,16 @@ pub fn exhibits(gallery: &Path) -> Result<Vec<Exhibit>, GalleryError> {
     Ok(serde_json::from_slice(&read(&path)?)?)
 }
 
+/// What the gallery around a file says of it; nothing where it is in none.
+///
+/// # Errors
+/// When `gallery.json` cannot be read.
+pub fn exhibit_at(file: &Path) -> Result<Option<Exhibit>, GalleryError> {
+    let Some(folder) = file.parent() else { return Ok(None) };
+    let is_it = |exhibit: &Exhibit| file.file_name().is_some_and(|name| *name == *exhibit.file);
+    Ok(exhibits(folder)?.into_iter().find(is_it))
+}
+
 /// Loads every demo outfit that this data directory has not had yet. One that was deleted stays deleted;
 /// one whose file has changed replaces what it was.
 ///

@@ -24,6 +24,7 @@ mod routes;
 mod scan;
 mod server_timing;
 mod service;
+mod simulations;
 mod static_files;
 mod store;
 mod upload;

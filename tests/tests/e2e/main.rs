@@ -16,3 +16,4 @@ mod outfits;
 mod persistence;
 mod pixel_cloth;
 mod service;
+mod simulation;

@@ -5,6 +5,7 @@ pub mod deepsd_concat;
 pub mod garnet;
 mod kinds;
 pub mod pixel_cloth;
+pub mod simulation;
 pub mod skinning;
 
 use std::fmt;
@@ -24,6 +25,7 @@ use crate::posed_body::PosedBody;
 use crate::static_pass::{INFLUENCES, StaticPass};
 
 pub use kinds::{GarmentKind, UnknownKind};
+pub use simulation::SimulatedDrape;
 
 /// Names of the methods, as in the API.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -37,14 +39,16 @@ pub enum MethodKind {
     Garnet,
     /// Pixel-based cloth: a network of one garment, which draws it as images.
     PixelCloth,
+    /// What a simulation left at rest, where one was kept.
+    Simulation,
     /// Linear blend skinning with the body's own weights.
     Skinning,
 }
 
 impl MethodKind {
     /// Every method, in the order of the API.
-    pub const ALL: [Self; 5] =
-        [Self::Deepsd, Self::DeepsdConcat, Self::Garnet, Self::PixelCloth, Self::Skinning];
+    pub const ALL: [Self; 6] =
+        [Self::Deepsd, Self::DeepsdConcat, Self::Garnet, Self::PixelCloth, Self::Simulation, Self::Skinning];
 
     /// The name in the API.
     #[must_use]
@@ -54,6 +58,7 @@ impl MethodKind {
             Self::DeepsdConcat => "deepsd-concat",
             Self::Garnet => "garnet",
             Self::PixelCloth => "pixel_cloth",
+            Self::Simulation => "simulation",
             Self::Skinning => "skinning",
         }
     }
@@ -66,6 +71,7 @@ impl MethodKind {
             Self::DeepsdConcat => &deepsd_concat::DeepsdConcat,
             Self::Garnet => &garnet::Garnet,
             Self::PixelCloth => &pixel_cloth::PixelCloth,
+            Self::Simulation => &simulation::Simulation,
             Self::Skinning => &skinning::Skinning,
         }
     }
@@ -79,7 +85,7 @@ impl fmt::Display for MethodKind {
 
 /// No such method.
 #[derive(Debug, thiserror::Error)]
-#[error("there is no method {0:?}; use deepsd, deepsd-concat, garnet, pixel_cloth or skinning")]
+#[error("there is no method {0:?}; use deepsd, deepsd-concat, garnet, pixel_cloth, simulation or skinning")]
 pub struct UnknownMethod(String);
 
 impl FromStr for MethodKind {
@@ -121,6 +127,8 @@ pub struct Wearer<'a> {
     pub seen: &'a SeenPoints,
     /// Garments that have a pixel-cloth network.
     pub heroes: &'a [&'a Hero],
+    /// Kept simulations of this outfit.
+    pub simulated: &'a [SimulatedDrape],
 }
 
 /// Where a method puts the cloth, before it is turned into world positions in one place
@@ -138,6 +146,8 @@ pub enum Placement<'a> {
     },
     /// World positions of every frame, metres.
     World(Vec<Vec<Vec3>>),
+    /// The same, where nothing may be moved any more.
+    Finished(Vec<Vec<Vec3>>),
     /// The same, read from cloth images.
     Pixels {
         /// World positions of every frame, metres.

@@ -36,6 +36,7 @@ fn warped_and_draped_cloth_agree_with_the_training_code() {
         method: MethodKind::Garnet,
         kinds: &[GarmentKind::Tee],
         hero: None,
+        simulated: &[],
         resolve: false,
     };
     let draped = drape(&studio, &request, &mut networks).unwrap();

@@ -39,7 +39,16 @@ fn draped(studio: &Studio, networks: &mut OnnxNetworks, motion: &Motion, method:
     let outfit = Golden::read("pixel_cloth.safetensors").outfit();
     let statics = studio.static_pass(&outfit, &BodyShape::default(), networks).unwrap();
     let (outfit, statics) = (&outfit, &statics);
-    let request = DrapeRequest { outfit, statics, motion, method, kinds: &[], hero: None, resolve: false };
+    let request = DrapeRequest {
+        outfit,
+        statics,
+        motion,
+        method,
+        kinds: &[],
+        hero: None,
+        simulated: &[],
+        resolve: false,
+    };
     drape(studio, &request, networks).unwrap()
 }
 

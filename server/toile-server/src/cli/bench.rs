@@ -68,6 +68,7 @@ impl Bench {
         let methods = MethodKind::ALL.into_iter().filter(|method| match method {
             MethodKind::Garnet => self.kind.is_some(),
             MethodKind::PixelCloth => has_networks,
+            MethodKind::Simulation => false,
             _ => true,
         });
         let mut columns = Vec::new();

@@ -32,7 +32,7 @@ pub struct DrapeFile {
     /// Name of a motion, instead of a pose
     #[arg(long, value_name = "NAME", conflicts_with = "pose")]
     motion: Option<String>,
-    /// deepsd, deepsd-concat, garnet, pixel_cloth or skinning; garnet needs `kinds` in the metadata
+    /// deepsd, deepsd-concat, garnet, pixel_cloth, simulation or skinning; garnet needs `kinds` in the metadata
     #[arg(long, default_value = "deepsd", value_name = "METHOD")]
     method: String,
     /// What the GLB holds

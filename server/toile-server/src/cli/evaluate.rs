@@ -15,6 +15,7 @@ use toile_onnx::OnnxNetworks;
 use super::kept_drapes::KeptDrapes;
 use super::{Failure, Parts};
 use crate::assets::Assets;
+use crate::gallery::exhibit_at;
 use crate::requests::{BodyRequest, DrapeBody, PoseRequest};
 use crate::upload::Upload;
 
@@ -134,7 +135,16 @@ impl Judge<'_> {
         let kinds = self.kind.map_or_else(Vec::new, |kind| vec![kind; outfit.garments.len()]);
         for motion in self.motions {
             let (outfit, statics, kinds) = (&outfit, &statics, kinds.as_slice());
-            let work = DrapeRequest { outfit, statics, motion, method, kinds, hero: None, resolve: false };
+            let work = DrapeRequest {
+                outfit,
+                statics,
+                motion,
+                method,
+                kinds,
+                hero: None,
+                simulated: &[],
+                resolve: false,
+            };
             let before = drape(studio, &work, networks)?.frames;
             let after = drape(studio, &DrapeRequest { resolve: true, ..work }, networks)?.frames;
             let shaped = self.assets.shaped(&motion.shape);
@@ -166,7 +176,10 @@ impl EvaluationSet {
 }
 
 fn read(path: &Path, assets: &Assets, networks: &mut dyn Networks) -> Result<(Outfit, StaticPass), Failure> {
-    let upload = Upload { file_name: Some(path.display().to_string()), ..Upload::default() };
+    let upload = exhibit_at(path)?.map_or_else(
+        || Upload { file_name: Some(path.display().to_string()), ..Upload::default() },
+        |exhibit| exhibit.upload(),
+    );
     let (outfit, _) = upload.read(&std::fs::read(path)?, assets)?;
     let statics = assets.studio.static_pass(&outfit, &upload.fitted_on(assets)?, networks)?;
     Ok((outfit, statics))

@@ -16,6 +16,7 @@ use crate::errors::{ApiError, Code};
 use crate::hash::short_hash;
 use crate::json::QueryParameters;
 use crate::server_timing::ServerTiming;
+use crate::simulations::Simulated;
 use crate::store::{GarmentSummary, StoredOutfit};
 use crate::upload::{Kinds, Upload};
 
@@ -33,6 +34,8 @@ struct OutfitView {
     methods: Vec<String>,
     #[serde(skip_serializing_if = "Kinds::is_empty")]
     kinds: Kinds,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    simulated: Vec<Simulated>,
     created_at: String,
     links: Links,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -59,6 +62,8 @@ impl OutfitView {
         let mut garments = outfit.summary.garments;
         garments.iter_mut().for_each(|garment| garment.pixel_cloth |= has_hero);
         let has_bake = data.bake(&app.service.wardrobe.static_key(&outfit.id)).exists();
+        let simulated =
+            app.service.assets.simulations.of(&outfit.id).map_or_else(Vec::new, |kept| kept.on.clone());
         Self {
             links: Links {
                 r#static: format!("{at}/static.glb"),
@@ -67,13 +72,14 @@ impl OutfitView {
                 hero: has_hero.then(|| format!("{at}/hero")),
                 own: at,
             },
-            methods: methods(&garments, &outfit.upload.metadata.kinds),
+            methods: methods(&garments, &outfit.upload.metadata.kinds, !simulated.is_empty()),
             id: outfit.id,
             name: outfit.name,
             vertices: outfit.summary.vertices,
             triangles: outfit.summary.triangles,
             garments,
             kinds: outfit.upload.metadata.kinds,
+            simulated,
             created_at: stored.created_at,
             report: Some(outfit.report),
         }
@@ -85,13 +91,14 @@ impl OutfitView {
 }
 
 /// The methods that drape an outfit as it is: `garnet` where the kind of every garment was stated, `pixel_cloth` where
-/// every garment has a network.
-fn methods(garments: &[GarmentSummary], kinds: &Kinds) -> Vec<String> {
+/// every garment has a network, `simulation` where some were kept.
+fn methods(garments: &[GarmentSummary], kinds: &Kinds, is_simulated: bool) -> Vec<String> {
     let is_known = garments.iter().all(|garment| kinds.contains_key(&garment.name));
     let has_networks = garments.iter().all(|garment| garment.pixel_cloth);
     let able = MethodKind::ALL.into_iter().filter(|method| match method {
         MethodKind::Garnet => is_known,
         MethodKind::PixelCloth => has_networks,
+        MethodKind::Simulation => is_simulated,
         _ => true,
     });
     able.map(|method| method.to_string()).collect()
