@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toile_drape::evaluation::{Figures, crossed, turned};
 use toile_drape::methods::{GarmentKind, MethodKind};
 use toile_drape::network::Networks;
-use toile_drape::outfit::Outfit;
+use toile_drape::outfit::{Garment, Outfit};
 use toile_drape::pipeline::{DrapeRequest, Motion, drape};
 use toile_drape::static_pass::StaticPass;
 use toile_onnx::OnnxNetworks;
@@ -31,7 +31,7 @@ pub struct Evaluate {
     /// deepsd, deepsd-concat, garnet, pixel_cloth or skinning
     #[arg(long, default_value = "deepsd", value_name = "METHOD")]
     method: String,
-    /// Kind of every garment, for garnet: tee, sweater, dress or jeans
+    /// Kind of every garment, for garnet: tee, sweater, dress or jeans [default: as the gallery says of its own]
     #[arg(long, value_name = "KIND")]
     kind: Option<GarmentKind>,
     /// Use only this many poses of the set
@@ -84,15 +84,13 @@ impl Evaluate {
             "| outfit | before % | after % | edge mm before / after | edge % | stretch p99.9 | max | turned over % mean / worst | self-crossed % rest / before / after | layers crossed % |"
         );
         println!("|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-        if method == MethodKind::Garnet && self.kind.is_none() {
-            return Err("the method garnet needs --kind".into());
-        }
         let (kind, keep) = (self.kind, self.keep.as_deref());
         let judge = Judge { assets: &assets, method, kind, motions: &motions, keep };
         let mut rows = Vec::new();
         for path in &self.outfits {
             let name = path.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-            let Draped { frames, turned, rest_crossed } = judge.frames(path, &name, &mut networks)?;
+            let worn = judge.read(path, &mut networks)?;
+            let Draped { frames, turned, rest_crossed } = judge.frames(&worn, &name, &mut networks)?;
             if self.worst {
                 report_worst(&name, &frames, set.poses.len());
             }
@@ -126,15 +124,38 @@ struct Judge<'a> {
     keep: Option<&'a Path>,
 }
 
+/// An outfit ready to be draped.
+struct Worn {
+    outfit: Outfit,
+    statics: StaticPass,
+    /// Kind of every garment, empty where that of one is not known.
+    kinds: Vec<GarmentKind>,
+}
+
 impl Judge<'_> {
+    /// An outfit's file; one of the gallery as the gallery has it.
+    fn read(&self, path: &Path, networks: &mut dyn Networks) -> Result<Worn, Failure> {
+        let upload = exhibit_at(path)?.map_or_else(
+            || Upload { file_name: Some(path.display().to_string()), ..Upload::default() },
+            |exhibit| exhibit.upload(),
+        );
+        let (outfit, _) = upload.read(&std::fs::read(path)?, self.assets)?;
+        let statics = self.assets.studio.static_pass(&outfit, &upload.fitted_on(self.assets)?, networks)?;
+        let known = &upload.metadata.kinds;
+        let kind = |garment: &Garment| self.kind.or_else(|| known.get(&garment.name).copied());
+        let kinds: Option<Vec<_>> = outfit.garments.iter().map(kind).collect();
+        if kinds.is_none() && self.method == MethodKind::Garnet {
+            return Err(format!("{}: the method garnet needs --kind", path.display()).into());
+        }
+        Ok(Worn { outfit, statics, kinds: kinds.unwrap_or_default() })
+    }
+
     /// Figures of an outfit; keeps the drapes where that is asked for.
-    fn frames(&self, path: &Path, name: &str, networks: &mut dyn Networks) -> Result<Draped, Failure> {
-        let (outfit, statics) = read(path, self.assets, networks)?;
+    fn frames(&self, worn: &Worn, name: &str, networks: &mut dyn Networks) -> Result<Draped, Failure> {
+        let Worn { outfit, statics, kinds } = worn;
         let (mut frames, mut over, mut drapes) = (Vec::new(), Vec::new(), KeptDrapes::default());
         let (studio, method) = (&self.assets.studio, self.method);
-        let kinds = self.kind.map_or_else(Vec::new, |kind| vec![kind; outfit.garments.len()]);
         for motion in self.motions {
-            let (outfit, statics, kinds) = (&outfit, &statics, kinds.as_slice());
             let work = DrapeRequest {
                 outfit,
                 statics,
@@ -157,9 +178,9 @@ impl Judge<'_> {
             }
         }
         if let Some(folder) = self.keep {
-            drapes.write(&outfit, &folder.join(format!("{name}.safetensors")))?;
+            drapes.write(outfit, &folder.join(format!("{name}.safetensors")))?;
         }
-        Ok(Draped { frames, turned: over, rest_crossed: crossed(&outfit, &statics.rest, &statics.edges) })
+        Ok(Draped { frames, turned: over, rest_crossed: crossed(outfit, &statics.rest, &statics.edges) })
     }
 }
 
@@ -173,16 +194,6 @@ impl EvaluationSet {
         }
         Ok(out)
     }
-}
-
-fn read(path: &Path, assets: &Assets, networks: &mut dyn Networks) -> Result<(Outfit, StaticPass), Failure> {
-    let upload = exhibit_at(path)?.map_or_else(
-        || Upload { file_name: Some(path.display().to_string()), ..Upload::default() },
-        |exhibit| exhibit.upload(),
-    );
-    let (outfit, _) = upload.read(&std::fs::read(path)?, assets)?;
-    let statics = assets.studio.static_pass(&outfit, &upload.fitted_on(assets)?, networks)?;
-    Ok((outfit, statics))
 }
 
 fn report_worst(name: &str, frames: &[(Figures, Figures)], poses: usize) {
