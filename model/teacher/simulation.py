@@ -26,14 +26,22 @@ Ints = NDArray[np.integer]
 
 
 @dataclass(frozen=True)
+class Stage:
+    """Some time steps of one length."""
+
+    step: float  # s; what the sweeps of a step do not undo of its fall stretches the cloth, so it must be short
+    most: int  # steps at most
+    keep: float  # share of its speed that cloth keeps from step to step
+
+
+@dataclass(frozen=True)
 class Settings:
     """Of one drape."""
 
-    step: float = 0.01  # s
-    iterations: int = 20  # sweeps over the vertices a step
-    most: int = 300  # steps at most
-    every: int = 15  # steps between looks at the residual
-    keep: float = 0.97  # share of its speed that cloth keeps from step to step
+    #: Cloth falls and slides, then comes to rest at its true length.
+    stages: tuple[Stage, ...] = (Stage(0.004, 200, 0.98), Stage(0.002, 400, 0.985))
+    iterations: int = 8  # sweeps over the vertices a step
+    watch: float = 0.15  # s between looks at the residual
     still: float = 3e-4  # m that the vertices move on average between two looks when the cloth counts as at rest
     friction: float = 0.6  # of cloth on skin and on cloth
     slip: float = 5e-4  # m/s, speed up to which friction grows: cloth on a slope creeps slower than this
@@ -80,17 +88,20 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
     for state in (now, then):
         state.particle_f.assign(model.particle_mass.numpy()[:, None] * cloth.pull.astype(np.float32))
     pipeline = newton.CollisionPipeline(model)
-    contacts, seen, residual = pipeline.contacts(), start, np.inf
-    for count in range(1, s.most + 1):
-        pipeline.collide(now, contacts)
-        solver.step(now, then, control, contacts, s.step)
-        now, then = then, now
-        now.particle_qd.assign(s.keep * now.particle_qd.numpy())
-        if count % s.every == 0:
-            x = now.particle_q.numpy().copy()
-            residual, seen = float(np.linalg.norm(x - seen, axis=1).mean()), x
-            if not residual > s.still:
-                break
+    contacts, seen, residual, count = pipeline.contacts(), start, np.inf, 0
+    for stage in s.stages:
+        every = max(1, round(s.watch / stage.step))
+        for k in range(1, stage.most + 1):
+            pipeline.collide(now, contacts)
+            solver.step(now, then, control, contacts, stage.step)
+            now, then = then, now
+            now.particle_qd.assign(stage.keep * now.particle_qd.numpy())
+            if k % every == 0:
+                x = now.particle_q.numpy().copy()
+                residual, seen = float(np.linalg.norm(x - seen, axis=1).mean()), x
+                if not residual > s.still:
+                    break
+        count += k
     return Resting(now.particle_q.numpy().copy(), residual, count)
 
 

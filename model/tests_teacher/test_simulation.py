@@ -9,7 +9,7 @@ from fabric import Fabric
 from garment.graph import mesh_edges
 from teacher.checks import Limits, crossing, judge, lengths
 from teacher.race import whole
-from teacher.simulation import Cloth, Settings, equilibrium, kept_off
+from teacher.simulation import Cloth, Settings, Stage, equilibrium, kept_off
 
 DOWN = np.array([0.0, -Fabric.gravity, 0.0])
 
@@ -64,12 +64,27 @@ def test_cloth_lies_on_a_ball_and_hangs_around_it(
 def test_cloth_without_weight_stays_and_held_cloth_hangs_from_its_edge() -> None:
     v, t = sheet(9, 0.3, 1.0)
     far = ball(0.1)
-    still = equilibrium(cloth(v, t, [], 0 * DOWN), v, far, Settings(most=30))
+    still = equilibrium(cloth(v, t, [], 0 * DOWN), v, far, Settings((Stage(0.002, 30, 0.98),)))
     assert np.allclose(still.x, v, atol=1e-4)
     edge = list(range(9))
-    hung = equilibrium(cloth(v, t, edge, DOWN), v, far, Settings(most=300)).x
+    hung = equilibrium(cloth(v, t, edge, DOWN), v, far, Settings()).x
     assert np.allclose(hung[edge], v[edge], atol=1e-6)
     assert (hung[-9:, 1] < 0.75).all(), "30 cm of cloth below the edge that is held"
+
+
+def test_hanging_cloth_is_stretched_by_its_weight_and_no_more() -> None:
+    """A strip: on average by half of its weight a metre over the stiffness, a third of that of the losses' springs."""
+    v, t = sheet(31, 0.6, 1.0)
+    strip = np.abs(v[:, 2]) < 0.07
+    number = np.cumsum(strip) - 1
+    v, t = v[strip], number[t[strip[t].all(1)]]
+    hung = np.stack([v[:, 2], v[:, 0] - v[:, 0].max(), 0 * v[:, 0]], 1)
+    top = np.flatnonzero(hung[:, 1] > -1e-9).tolist()
+    end = equilibrium(cloth(hung, t, top, DOWN), hung, ball(0.01), Settings()).x
+    fabric = Fabric()
+    expected = fabric.density * fabric.gravity * 0.6 / 2 / (fabric.stretch / 3)
+    low = hung[:, 1] < -0.599
+    assert 0.7 < (end[low, 1].mean() + 0.6) / -(0.6 * expected) < 1.3
 
 
 def test_corners_of_large_triangles_keep_farther_off_where_there_is_room() -> None:
