@@ -23,7 +23,7 @@ from .drapes import draped, settled
 
 #: Demo outfits whose garments have networks of their own beside the shared one.
 OUTFITS = ("hero-t-shirt", "tea-dress", "linen-t-shirt-and-chinos", "sweater-and-jeans")
-POSES = ("standing", "walk-2", "reach", "sitting")
+POSES = ("standing", "walk-2", "reach")
 REFERENCE = {"kind": "phenotypes", "values": {}}
 
 

@@ -39,7 +39,7 @@ class Settings:
     """Of one drape."""
 
     #: Cloth falls and slides, then comes to rest at its true length.
-    stages: tuple[Stage, ...] = (Stage(0.004, 300, 0.99), Stage(0.002, 500, 0.99))
+    stages: tuple[Stage, ...] = (Stage(0.004, 300, 0.99), Stage(0.002, 400, 0.96))
     iterations: int = 8  # sweeps over the vertices a step
     watch: float = 0.15  # s between looks at the residual
     still: float = 3e-4  # m that the vertices move on average between two looks when the cloth counts as at rest
