@@ -6,7 +6,7 @@ const PICTURES = fileURLToPath(new URL("../../docs/pictures/", import.meta.url))
 const HEIGHT = 460;
 const WIDTH = 250;
 /** What lies over the stage, left out of the row. */
-const OVERLAYS = ".stage__caption, .stage__views, .stage__speed";
+const OVERLAYS = ".stage__caption, .stage__views, .stage__speed, .compare__choice";
 
 /** What the row shows: outfit, pose, and the first body changes that a shopper would make. */
 const LOOKS = [
@@ -41,6 +41,17 @@ async function wholePage(room) {
   await room.page.screenshot({ path: `${PICTURES}page.png` });
 }
 
+/** The stage with a learned drape and the simulated one. */
+async function comparison(room) {
+  await room.change(() => room.page.locator("[data-outfit]", { hasText: "Tea dress" }).click());
+  await room.page.selectOption('[name="compare"]', "simulation");
+  await room.change(() => room.page.locator(".compare__notice").getByRole("button", { name: "walk 2" }).click());
+  await room.page.locator(".compare__label--other", { hasText: "Simulation" }).waitFor();
+  // The second viewer's first frame.
+  await room.page.waitForTimeout(3000);
+  await room.page.locator(".stage").screenshot({ path: `${PICTURES}compare.jpg`, quality: 88, type: "jpeg" });
+}
+
 const outfits = (await (await fetch(`${TOILE_URL}/v1/outfits?limit=100`)).json()).data;
 const browser = await launch();
 const tiles = [];
@@ -51,6 +62,9 @@ for (const wanted of LOOKS) {
   if (tiles.length === 2) await wholePage(room);
   await room.close();
 }
+const room = await FittingRoom.open(browser);
+await comparison(room);
+await room.close();
 const row = await browser.newPage({ viewport: { width: WIDTH * LOOKS.length, height: HEIGHT } });
 const tile = (source) => `<div style="width:${WIDTH}px;height:${HEIGHT}px;background:url(${source}) center/cover"></div>`;
 await row.setContent(`<body style="margin:0;display:flex">${tiles.map(tile).join("")}</body>`);
