@@ -27,7 +27,6 @@ OWN = {
     "hero-t-shirt": ("garnet", "pixel_cloth"),
     "tea-dress": ("garnet",),
     "linen-t-shirt-and-chinos": ("garnet",),
-    "sweater-and-jeans": ("garnet",),
 }
 ALL = ("skinning", "deepsd")
 

@@ -22,7 +22,7 @@ from .checks import Limits
 from .drapes import draped, settled
 
 #: Demo outfits whose garments have networks of their own beside the shared one.
-OUTFITS = ("hero-t-shirt", "tea-dress", "linen-t-shirt-and-chinos", "sweater-and-jeans")
+OUTFITS = ("hero-t-shirt", "tea-dress", "linen-t-shirt-and-chinos")
 POSES = ("standing", "walk-2", "reach")
 REFERENCE = {"kind": "phenotypes", "values": {}}
 
