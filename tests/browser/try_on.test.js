@@ -167,6 +167,7 @@ test("pixel cloth shows its images beside the cloth, and they move with the pose
 
 test("another method stands beside the drape, and the simulation where there is one", async () => {
   const wear = (name) => room.page.locator("[data-outfit]", { hasText: name }).click();
+  const known = room.errors.length;
   const choice = room.page.locator('[name="compare"]');
   const other = room.page.locator(".compare__label--other");
   const beside = () => room.page.evaluate(() => document.querySelectorAll("toile-viewer")[1]?.stats());
@@ -187,7 +188,7 @@ test("another method stands beside the drape, and the simulation where there is 
   await choice.selectOption("");
   assert.equal(await beside(), undefined);
   await room.change(() => wear("Oxford"));
-  assert.deepEqual(room.errors, []);
+  assert.deepEqual(room.errors.slice(known), []);
 });
 
 test("a colour tints the cloth without asking the service", async () => {
