@@ -6,6 +6,8 @@ set -euo pipefail
 toile=$1
 shift
 folder=$(mktemp -d)
+# On a busy machine the loop below may look before the server's shell has made it.
+touch "$folder/address"
 "$toile" serve --listen 127.0.0.1:0 --data "$folder/data" >"$folder/address" 2>"$folder/log" &
 server=$!
 stop() {
