@@ -110,7 +110,9 @@ export class CompareView {
     if (!this.chosen || !this.shown) return;
     this.notice.hidden = true;
     this.other?.classList.remove("compare__viewer--stale");
-    if (this.other?.motion) this.other.togglePlayback(false);
+    // It does not play by itself: it is where the viewer's own motion is.
+    const playback = this.viewer.stats().playback;
+    if (playback) this.seek(playback.time / playback.duration);
     const apart = this.other?.distanceTo(this.viewer);
     this.label(this.own, this.shown);
     const time = this.chosen === "simulation" ? 0 : serviceTime(detail.stages);
