@@ -138,6 +138,8 @@ export class CompareView {
   }
 
   private showSimulated(): void {
+    // What is still on its way to the other viewer is no answer to this.
+    this.close();
     const chip = ({ id, on }: { id: string; on: SimulatedOn }): HTMLElement =>
       make("button", { type: "button", className: "chip", textContent: id.replaceAll("-", " "), onclick: () => this.onSimulated(on) });
     const words = make("p", { textContent: "This outfit was simulated on the reference body in these poses:" });
