@@ -270,7 +270,7 @@ def main() -> None:
     p.add_argument("--outfits", type=Path, default=DATA / "outfits" / "train")
     p.add_argument("--out", type=Path, default=DATA / "relaxed")
     p.add_argument("--poses", type=int, default=4, help="of each outfit on one body")
-    p.add_argument("--steps", type=int, default=320, help="in the pose itself")
+    p.add_argument("--steps", type=int, default=STEPS, help="in the pose itself; more are sharper, and fewer outfits")
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--limit", type=int, help="stop after this many outfits (smoke runs)")
     a = p.parse_args()

@@ -20,15 +20,11 @@ from training_data import DATA
 
 from .compare import Figures, Scene
 from .drapes import draped
-from .shown import OUTFITS
+from .shown import OUTFITS, ask
 
-#: Ways to drape each outfit, beside those of all.
-OWN = {
-    "hero-t-shirt": ("garnet", "pixel_cloth"),
-    "tea-dress": ("garnet",),
-    "linen-t-shirt-and-chinos": ("garnet",),
-}
-ALL = ("skinning", "deepsd")
+#: Ways to drape them all, and those of some beside.
+ALL = ("skinning", "deepsd", "garnet")
+OWN = {"hero-t-shirt": ("pixel_cloth",)}
 
 
 def simulated(name: str) -> dict[str, NDArray]:
@@ -40,12 +36,11 @@ def simulated(name: str) -> dict[str, NDArray]:
 
 def compare(name: str) -> Iterator[tuple[str, Figures]]:
     """Figures of every way to drape an outfit, and of the simulation itself, in every pose that was simulated."""
-    scratch, outfit = DATA / "shown" / name, ARTIFACTS / "gallery" / f"{name}.glb"
-    poses = [pose["id"] for pose in json.loads((scratch / "set.json").read_text())["poses"]]
-    ways = {method: draped(scratch, method, outfit) for method in (*ALL, *OWN[name])}
+    scratch, outfit, truths = DATA / "shown" / name, ARTIFACTS / "gallery" / f"{name}.glb", simulated(name)
+    ask(scratch, tuple(truths))
+    ways = {method: draped(scratch, method, outfit) for method in (*ALL, *OWN.get(name, ()))}
     first, faces = ways[ALL[0]], AnnyBody.load().triangles
-    for pose, truth in simulated(name).items():
-        k = poses.index(pose)
+    for k, truth in enumerate(truths.values()):
         scene = Scene(first["rest"][0], first["triangles"].astype(np.int64), first["body"][0, k], faces)
         for method, way in ways.items():
             yield f"{method}, before the resolve", scene.figures(way["draped"][0, k], truth)

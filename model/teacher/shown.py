@@ -35,11 +35,16 @@ class Shown:
     cloth: NDArray[np.float32]  # (D, N, 3) world, metres, welded order
 
 
-def simulate(outfit: Path, poses: tuple[str, ...], scratch: Path) -> Shown:
-    """Simulates an outfit in preset poses and keeps what is good."""
+def ask(scratch: Path, poses: tuple[str, ...]) -> None:
+    """Says in a folder what an outfit is to be draped on (`drapes.draped`)."""
     scratch.mkdir(parents=True, exist_ok=True)
     presets = [{"kind": "preset", "id": name} for name in poses]
     (scratch / "set.json").write_text(json.dumps({"bodies": [REFERENCE], "poses": presets}) + "\n")
+
+
+def simulate(outfit: Path, poses: tuple[str, ...], scratch: Path) -> Shown:
+    """Simulates an outfit in preset poses and keeps what is good."""
+    ask(scratch, poses)
     start, kept = draped(scratch, "skinning", outfit), {}
     for k, name in enumerate(poses):
         end, judged = settled(start, 0, k)
