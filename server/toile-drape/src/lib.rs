@@ -9,6 +9,7 @@ pub mod error;
 pub mod evaluation;
 pub mod features;
 pub mod fitted;
+mod flutes;
 pub mod folds;
 pub mod garnet_tables;
 pub mod graph;

@@ -54,7 +54,7 @@ pub fn resolve(
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
-    straighten(statics, fitted, body, positions);
+    straighten(outfit, statics, fitted, body, positions);
     let lengths = &fitted.lengths;
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);

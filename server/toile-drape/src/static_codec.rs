@@ -106,6 +106,7 @@ impl StaticPass {
             ("layer_outer", indices(&self.layers.outer)),
             ("layer_inner", indices(&self.layers.inner)),
             ("layer_gap", floats(&self.layers.gap)),
+            ("flutes", floats(&self.flutes)),
             ("edges", indices(self.edges.as_flattened())),
         ]
     }
@@ -132,6 +133,7 @@ impl StaticPass {
                 inner: file.column("layer_inner", Dtype::U32)?,
                 gap: file.floats("layer_gap")?,
             },
+            flutes: file.floats("flutes")?,
             ring: Adjacency::from_pairs(rest.len(), both),
             edges,
             fitted_shapes: FittedShapes::default(),
@@ -150,6 +152,7 @@ impl StaticPass {
             && rig.basis.len() == 3 * BASIS * nodes
             && self.vertex_from_node.len() == n
             && self.shape.len() == nodes
+            && self.flutes.len() == nodes
             && self.candidates.len() == CANDIDATES * nodes
             && self.layers.inner.len() == LAYER_CANDIDATES * self.layers.outer.len()
             && self.layers.gap.len() == self.layers.outer.len();

@@ -9,6 +9,7 @@ use crate::binding::{CANDIDATES, Weights, body_links, node_prior};
 use crate::error::DrapeError;
 use crate::features::node_features;
 use crate::fitted::FittedShapes;
+use crate::flutes;
 use crate::graph::{Links, OutfitGraph};
 use crate::layers::{LayerContacts, layer_contacts};
 use crate::methods::deepsd;
@@ -22,7 +23,7 @@ use crate::shape::carried_to_reference;
 use crate::stretch::interleaved;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 8;
+pub const STATIC_FORMAT: u32 = 9;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -77,6 +78,8 @@ pub struct StaticPass {
     pub shape: Links,
     /// Outer garments over inner ones.
     pub layers: LayerContacts,
+    /// Height of a flute at each node (`flutes`).
+    pub flutes: Vec<f32>,
     /// Edges, each once, in the order of [`interleaved`].
     pub edges: Vec<[u32; 2]>,
     /// Edges as neighbours.
@@ -131,11 +134,14 @@ impl StaticPass {
         let limbs: Vec<Limb> = prior.iter().map(|w| reference.limb(w)).collect();
         let (candidates, shape) = body_links(&graph.nodes.positions, &limbs, reference);
         let (joints, weights) = largest_influences(&prior);
+        let layers = layer_contacts(outfit, &rest);
+        let room = room(&graph, &layers, reference);
         Ok(Self {
             clearance: rest.iter().map(|p| reference.signed_distance(*p)).collect(),
             candidates,
             shape,
-            layers: layer_contacts(outfit, &rest),
+            flutes: flutes::pattern(&graph.nodes.positions, &graph.near, &graph.vertex_from_node, &room),
+            layers,
             edges: interleaved(edges(&outfit.triangles)),
             ring,
             rig,
@@ -197,8 +203,23 @@ impl StaticPass {
             + links(&self.near)
             + links(&self.shape)
             + self.edges.len() * 16
+            + 4 * self.flutes.len()
             + self.layers.byte_size()
     }
+}
+
+/// Distance of every node to the skin and to other cloth at rest, metres; far from both it is that to the skin.
+fn room(graph: &OutfitGraph, layers: &LayerContacts, reference: &ReferenceBody) -> Vec<f32> {
+    let mut room: Vec<f32> = graph.nodes.positions.iter().map(|p| reference.signed_distance(*p)).collect();
+    let node = |v: usize| graph.vertex_from_node.targets(v).first().map(|n| *n as usize);
+    for (outer, inner, gap) in layers.iter() {
+        for v in inner.iter().take(1).map(|v| *v as usize).chain([outer]) {
+            if let Some(room) = node(v).and_then(|n| room.get_mut(n)) {
+                *room = room.min(gap.abs());
+            }
+        }
+    }
+    room
 }
 
 /// Layer of every welded vertex.

@@ -1,4 +1,4 @@
-//! Sheets of cloth and ground for tests.
+//! Sheets and tubes of cloth, and ground, for tests.
 
 use glam::Vec3;
 
@@ -32,4 +32,19 @@ pub fn sheets(all: &[(f32, u32)]) -> Outfit {
         });
     }
     outfit
+}
+
+/// A tube that hangs around the origin, of 2 cm quads: radius and height in metres.
+pub fn tube(radius: f32, height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let around = (std::f32::consts::TAU * radius / 0.02) as u32;
+    let rows = (height / 0.02) as u32;
+    let at = |i: u32| {
+        let (sin, cos) = (std::f32::consts::TAU * (i % around) as f32 / around as f32).sin_cos();
+        Vec3::new(radius * cos, 0.02 * (i / around) as f32, radius * sin)
+    };
+    let quad = |i: u32| {
+        let next = i - i % around + (i + 1) % around;
+        [[i, i + around, next], [next, i + around, next + around]]
+    };
+    ((0..around * rows).map(at).collect(), (0..around * (rows - 1)).flat_map(quad).collect())
 }
