@@ -7,6 +7,7 @@ use toile_geometry::body::{BodyShape, ShapedBody};
 
 use crate::outfit::Outfit;
 use crate::recent::Recent;
+use crate::settle::Hanging;
 use crate::shape::carried;
 use crate::static_pass::StaticPass;
 use crate::straighten::NodeEdges;
@@ -26,6 +27,8 @@ pub struct Fitted {
     pub lengths: Vec<f32>,
     /// The canonical graph's edges.
     pub node_edges: NodeEdges,
+    /// What of it hangs, and from where.
+    pub hanging: Hanging,
     /// Triangles that are tested for collisions at their centroids too.
     pub coarse: Vec<[u32; 3]>,
 }
@@ -64,9 +67,11 @@ impl StaticPass {
     ) -> Arc<Fitted> {
         self.fitted_shapes.0.get(shape.clone(), |_| {
             let rest = carried(self, &studio.reference, &shaped.apose_vertices, studio.body.triangles());
+            let node_edges = NodeEdges::new(self, &rest);
             Fitted {
                 lengths: lengths(&rest, &self.edges),
-                node_edges: NodeEdges::new(self, &rest),
+                hanging: Hanging::new(self, &rest, &node_edges),
+                node_edges,
                 coarse: coarse_triangles(outfit, &rest),
                 rest,
             }

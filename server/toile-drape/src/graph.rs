@@ -158,7 +158,7 @@ impl OutfitGraph {
 }
 
 /// Connected pieces of one garment inside one grid cell.
-fn cluster(points: &[Vec3], links: &Adjacency, garment: &[u32], size: f32) -> Clusters {
+pub(crate) fn cluster(points: &[Vec3], links: &Adjacency, garment: &[u32], size: f32) -> Clusters {
     let cells: Vec<(glam::IVec3, u32)> =
         points.iter().zip(garment).map(|(p, &g)| ((*p / size).floor().as_ivec3(), g)).collect();
     let cluster_of = components(&cells, links);
@@ -227,7 +227,7 @@ fn nearest_linked<'a>(
 
 /// Partition-of-unity weights of the clusters around each point: kernel (1 - (d / radius)^2)^2 over the
 /// point's own cluster and the two rings around it.
-fn interpolation(points: &[Vec3], clusters: &Clusters, size: f32) -> Links {
+pub(crate) fn interpolation(points: &[Vec3], clusters: &Clusters, size: f32) -> Links {
     let mut out = Links::with_capacity(SUPPORTS, points.len());
     let reach: Vec<Vec<u32>> =
         (0..clusters.positions.len()).map(|c| two_rings(c, &clusters.touching)).collect();

@@ -18,6 +18,7 @@ use crate::network::Networks;
 use crate::outfit::Outfit;
 use crate::posed_body::PosedBody;
 use crate::resolve::{Resolved, resolve};
+use crate::settle::settle;
 use crate::skinning::place;
 use crate::static_pass::StaticPass;
 use crate::studio::Studio;
@@ -226,6 +227,9 @@ fn drape_frame(
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, transforms));
     let ring = &scene.studio.reference.ring;
     let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
+    if scene.request.resolve && scene.request.method.settles() {
+        timing.time("settle", || settle(outfit, statics, scene.fitted, &skin, &mut positions));
+    }
     let resolved = timing.time("resolve", || match scene.placement {
         // Where cloth lies inside the body is told, but it stays there.
         Placement::Finished(_) => {

@@ -54,7 +54,7 @@ pub fn resolve(
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
-    straighten(outfit, statics, fitted, body, positions);
+    straighten(statics, fitted, body, positions);
     let lengths = &fitted.lengths;
     let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
@@ -178,6 +178,7 @@ mod tests {
     use crate::binding::CANDIDATES;
     use crate::graph::OutfitGraph;
     use crate::layers::layer_contacts;
+    use crate::settle::Hanging;
     use crate::straighten::NodeEdges;
     use crate::test_meshes::{sheet, sheets};
     use toile_geometry::mesh::{Adjacency, edges};
@@ -211,8 +212,13 @@ mod tests {
             ..StaticPass::default()
         };
         let lengths = vec![0.02; statics.edges.len()];
-        let fitted =
-            Fitted { rest: statics.rest.clone(), lengths, node_edges: NodeEdges::default(), coarse: vec![] };
+        let fitted = Fitted {
+            rest: statics.rest.clone(),
+            lengths,
+            node_edges: NodeEdges::default(),
+            hanging: Hanging::default(),
+            coarse: vec![],
+        };
         let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
         resolve(outfit, &statics, &fitted, &body, &mut moved);
         moved

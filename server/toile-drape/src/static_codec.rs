@@ -107,6 +107,9 @@ impl StaticPass {
             ("layer_inner", indices(&self.layers.inner)),
             ("layer_gap", floats(&self.layers.gap)),
             ("flutes", floats(&self.flutes)),
+            ("cluster_of", indices(&self.cluster_of)),
+            ("node_from_cluster", indices(&self.node_from_cluster.index)),
+            ("node_from_cluster_weight", floats(&self.node_from_cluster.weight)),
             ("edges", indices(self.edges.as_flattened())),
         ]
     }
@@ -134,6 +137,8 @@ impl StaticPass {
                 gap: file.floats("layer_gap")?,
             },
             flutes: file.floats("flutes")?,
+            cluster_of: file.column("cluster_of", Dtype::U32)?,
+            node_from_cluster: file.links("node_from_cluster", SUPPORTS)?,
             ring: Adjacency::from_pairs(rest.len(), both),
             edges,
             fitted_shapes: FittedShapes::default(),
@@ -152,7 +157,7 @@ impl StaticPass {
             && rig.basis.len() == 3 * BASIS * nodes
             && self.vertex_from_node.len() == n
             && self.shape.len() == nodes
-            && self.flutes.len() == nodes
+            && [self.flutes.len(), self.cluster_of.len(), self.node_from_cluster.len()] == [nodes; 3]
             && self.candidates.len() == CANDIDATES * nodes
             && self.layers.inner.len() == LAYER_CANDIDATES * self.layers.outer.len()
             && self.layers.gap.len() == self.layers.outer.len();
@@ -161,7 +166,9 @@ impl StaticPass {
             && below(&self.layers.outer, n)
             && below(&self.layers.inner, n)
             && below(&self.vertex_from_node.index, nodes)
-            && below(&self.near.index, nodes);
+            && below(&self.near.index, nodes)
+            && below(&self.cluster_of, nodes)
+            && below(&self.node_from_cluster.index, nodes);
         if sizes && inside {
             Ok(self)
         } else {

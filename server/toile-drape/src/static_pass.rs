@@ -9,7 +9,6 @@ use crate::binding::{CANDIDATES, Weights, body_links, node_prior};
 use crate::error::DrapeError;
 use crate::features::node_features;
 use crate::fitted::FittedShapes;
-use crate::flutes;
 use crate::graph::{Links, OutfitGraph};
 use crate::layers::{LayerContacts, layer_contacts};
 use crate::methods::deepsd;
@@ -19,6 +18,7 @@ use crate::outfit::Outfit;
 use crate::reference::{Limb, ReferenceBody};
 use crate::refine::Refined;
 use crate::repair::{garment_of_vertex, outfit_ring, repaired};
+use crate::settle::{self, flutes};
 use crate::shape::carried_to_reference;
 use crate::stretch::interleaved;
 
@@ -78,8 +78,12 @@ pub struct StaticPass {
     pub shape: Links,
     /// Outer garments over inner ones.
     pub layers: LayerContacts,
-    /// Height of a flute at each node (`flutes`).
+    /// Height of a flute at each node ([`flutes`]).
     pub flutes: Vec<f32>,
+    /// Cluster of nodes that each node falls with ([`crate::settle`]).
+    pub cluster_of: Vec<u32>,
+    /// Nodes from these clusters.
+    pub node_from_cluster: Links,
     /// Edges, each once, in the order of [`interleaved`].
     pub edges: Vec<[u32; 2]>,
     /// Edges as neighbours.
@@ -136,11 +140,14 @@ impl StaticPass {
         let (joints, weights) = largest_influences(&prior);
         let layers = layer_contacts(outfit, &rest);
         let room = room(&graph, &layers, reference);
+        let (cluster_of, node_from_cluster) = settle::clusters(&graph, &edges(&outfit.triangles));
         Ok(Self {
             clearance: rest.iter().map(|p| reference.signed_distance(*p)).collect(),
             candidates,
             shape,
             flutes: flutes::pattern(&graph.nodes.positions, &graph.near, &graph.vertex_from_node, &room),
+            cluster_of,
+            node_from_cluster,
             layers,
             edges: interleaved(edges(&outfit.triangles)),
             ring,
@@ -203,7 +210,8 @@ impl StaticPass {
             + links(&self.near)
             + links(&self.shape)
             + self.edges.len() * 16
-            + 4 * self.flutes.len()
+            + 4 * (self.flutes.len() + self.cluster_of.len())
+            + links(&self.node_from_cluster)
             + self.layers.byte_size()
     }
 }

@@ -1,17 +1,14 @@
-//! Edges near their lengths, before cloth is moved out of anything: flutes where cloth hangs, then the edges between the
-//! nodes of the canonical graph, then those of the mesh.
+//! Edges near their lengths, before cloth is moved out of anything: first between the nodes of the canonical graph, then
+//! those of the mesh.
 //!
 //! What the networks have shortened thus buckles in folds of some centimetres, not triangle by triangle.
 
 use glam::Vec3;
-use toile_geometry::normals::vertex_normals;
 
 use crate::binding::CANDIDATES;
 use crate::contact::Collider;
 use crate::fitted::{Fitted, lengths};
-use crate::flutes;
 use crate::folds;
-use crate::outfit::Outfit;
 use crate::static_pass::StaticPass;
 use crate::stretch::{draw_to_rest, interleaved};
 
@@ -55,34 +52,29 @@ impl NodeEdges {
         Self { share, edges, lengths, vertex }
     }
 
-    /// Raises flutes where hanging cloth lacks width.
-    fn flute(&self, statics: &StaticPass, outfit: &Outfit, positions: &mut [Vec3]) {
-        if statics.flutes.iter().all(|f| *f == 0.0) {
-            return;
-        }
-        let nodes = at(&self.vertex, positions);
-        let lack = |([a, b], rest): (&[u32; 2], &f32)| {
-            1.0 - nodes[*a as usize].distance(nodes[*b as usize]) / rest.max(f32::MIN_POSITIVE)
-        };
-        let lacks = self.edges.iter().zip(&self.lengths).map(lack);
-        let heights = flutes::heights(&statics.nodes.positions, &statics.near, &self.edges, lacks);
-        let normals = at(&self.vertex, &vertex_normals(positions, &outfit.triangles));
-        let raised = normals.iter().zip(heights).zip(&statics.flutes);
-        let raised: Vec<Vec3> = raised.map(|((n, h), f)| *n * h * *f).collect();
-        self.carry(statics, &raised, positions);
-    }
-
     /// Draws the nodes' edges to their lengths and carries the vertices along.
     fn draw_to_rest(&self, statics: &StaticPass, crammed: &[bool], positions: &mut [Vec3]) {
-        let before = at(&self.vertex, positions);
+        let before = self.at(positions);
         let mut nodes = before.clone();
         draw_to_rest(&mut nodes, &self.edges, &self.lengths, crammed, NODE_SWEEPS);
         nodes.iter_mut().zip(before).for_each(|(n, b)| *n -= b);
         self.carry(statics, &nodes, positions);
     }
 
-    /// Moves the vertices with the nodes.
-    fn carry(&self, statics: &StaticPass, moves: &[Vec3], positions: &mut [Vec3]) {
+    /// The vertex that stands for each node.
+    #[must_use]
+    pub fn vertices(&self) -> &[Option<u32>] {
+        &self.vertex
+    }
+
+    /// What the nodes' vertices have of `values`, those of the vertices.
+    #[must_use]
+    pub fn at(&self, values: &[Vec3]) -> Vec<Vec3> {
+        at(&self.vertex, values)
+    }
+
+    /// Moves the vertices at `positions` with the nodes, metres.
+    pub fn carry(&self, statics: &StaticPass, moves: &[Vec3], positions: &mut [Vec3]) {
         for (v, (p, share)) in positions.iter_mut().zip(&self.share).enumerate() {
             *p += statics.vertex_from_node.blended(v, moves) * *share;
         }
@@ -109,15 +101,8 @@ fn at(vertex: &[Option<u32>], positions: &[Vec3]) -> Vec<Vec3> {
 }
 
 /// Draws world `positions` (welded order) towards the lengths that they have at rest on the same body.
-pub fn straighten(
-    outfit: &Outfit,
-    statics: &StaticPass,
-    fitted: &Fitted,
-    body: &Collider<'_>,
-    positions: &mut [Vec3],
-) {
+pub fn straighten(statics: &StaticPass, fitted: &Fitted, body: &Collider<'_>, positions: &mut [Vec3]) {
     let nodes = crammed_nodes(statics, body);
-    fitted.node_edges.flute(statics, outfit, positions);
     fitted.node_edges.draw_to_rest(statics, &nodes, positions);
     let crammed = |v| statics.node_of(v).and_then(|node| nodes.get(node).copied()).unwrap_or(false);
     let crammed: Vec<bool> = (0..positions.len()).map(crammed).collect();
@@ -135,7 +120,8 @@ fn crammed_nodes(statics: &StaticPass, body: &Collider<'_>) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::graph::OutfitGraph;
-    use crate::test_meshes::{sheet, tube};
+    use crate::settle::Hanging;
+    use crate::test_meshes::sheet;
     use toile_geometry::mesh::{Adjacency, edges};
 
     /// A sheet of 1 cm quads whose nodes all know the one vertex of a body.
@@ -151,7 +137,7 @@ mod tests {
         };
         let node_edges = NodeEdges::new(&statics, &rest);
         let lengths = lengths(&rest, &statics.edges);
-        (statics, Fitted { rest, lengths, node_edges, coarse: vec![] })
+        (statics, Fitted { rest, lengths, node_edges, hanging: Hanging::default(), coarse: vec![] })
     }
 
     /// Mean relative change of the edges of squeezed cloth before and after, near a body whose vertex faces `other`.
@@ -166,7 +152,7 @@ mod tests {
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
         let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[other] };
         let before = mean(&positions);
-        straighten(&Outfit::default(), &statics, &fitted, &body, &mut positions);
+        straighten(&statics, &fitted, &body, &mut positions);
         (before, mean(&positions))
     }
 
@@ -184,51 +170,7 @@ mod tests {
         let mut positions = fitted.rest.clone();
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
         let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[] };
-        straighten(&Outfit::default(), &statics, &fitted, &body, &mut positions);
+        straighten(&statics, &fitted, &body, &mut positions);
         assert!(positions.iter().zip(&fitted.rest).all(|(p, q)| p.distance(*q) < 1e-6));
-    }
-
-    /// How much of its girth a tube of 15 cm has after it was squeezed to 94 %, and the mean height of its folds, metres.
-    fn squeezed_tube(room: f32) -> (f32, f32) {
-        let (rest, triangles) = tube(0.15, 0.5);
-        let graph = OutfitGraph::new(&rest, &triangles, &vec![0; rest.len()]);
-        let nodes = &graph.nodes.positions;
-        let flutes = flutes::pattern(nodes, &graph.near, &graph.vertex_from_node, &vec![room; nodes.len()]);
-        let statics = StaticPass {
-            candidates: vec![0; nodes.len() * CANDIDATES],
-            edges: interleaved(edges(&triangles)),
-            nodes: crate::static_pass::NodeRig { positions: graph.nodes.positions, ..Default::default() },
-            vertex_from_node: graph.vertex_from_node,
-            near: graph.near,
-            flutes,
-            ..StaticPass::default()
-        };
-        let node_edges = NodeEdges::new(&statics, &rest);
-        let lengths = lengths(&rest, &statics.edges);
-        let outfit = Outfit { triangles, ..Outfit::default() };
-        let mut positions: Vec<Vec3> = rest.iter().map(|p| Vec3::new(0.94 * p.x, p.y, 0.94 * p.z)).collect();
-        let fitted = Fitted { rest, lengths, node_edges, coarse: vec![] };
-        let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[] };
-        straighten(&outfit, &statics, &fitted, &body, &mut positions);
-        let level =
-            |[a, b]: &[u32; 2]| (fitted.rest[*a as usize].y - fitted.rest[*b as usize].y).abs() < 1e-4;
-        let (mut now, mut before) = (0.0, 0.0);
-        for (edge, rest) in statics.edges.iter().zip(&fitted.lengths).filter(|(e, _)| level(e)) {
-            now += positions[edge[0] as usize].distance(positions[edge[1] as usize]);
-            before += rest;
-        }
-        let radius = |p: &Vec3| p.with_y(0.0).length();
-        let count = positions.len() as f32;
-        let mean = positions.iter().map(radius).sum::<f32>() / count;
-        (now / before, positions.iter().map(|p| (radius(p) - mean).abs()).sum::<f32>() / count)
-    }
-
-    #[test]
-    fn a_hanging_tube_that_lacks_width_falls_into_flutes() {
-        let (girth, folds) = squeezed_tube(0.1);
-        assert!((0.98..1.01).contains(&girth), "{girth}");
-        let (_, flat) = squeezed_tube(0.01);
-        assert!(folds > 0.004 && flat < 0.3 * folds, "{folds} {flat}");
     }
 }

@@ -63,6 +63,13 @@ impl MethodKind {
         }
     }
 
+    /// Whether cloth settles after it ([`crate::settle`]): what one network for every outfit leaves hanging too high and
+    /// without folds.
+    #[must_use]
+    pub const fn settles(self) -> bool {
+        matches!(self, Self::Deepsd | Self::DeepsdConcat)
+    }
+
     /// What drapes by this name.
     #[must_use]
     pub fn method(self) -> &'static dyn Method {

@@ -101,18 +101,13 @@ fn noise(p: Vec3) -> f32 {
     hash as f32 / u32::MAX as f32 * 2.0 - 1.0
 }
 
-/// How high flutes rise at each node, metres, in cloth whose `edges` between nodes lack a share of their lengths, where
-/// they lie level in the rest pose `nodes`. A wave of width w and height a makes a line longer by (πa/w)².
+/// How high flutes rise at each node, metres, in cloth that `lacks` shares of its lengths between pairs of nodes, where
+/// these lie level in the rest pose `nodes`. A wave of width w and height a makes a line longer by (πa/w)².
 #[must_use]
-pub fn heights(
-    nodes: &[Vec3],
-    near: &Links,
-    edges: &[[u32; 2]],
-    lacks: impl Iterator<Item = f32>,
-) -> Vec<f32> {
+pub fn heights(nodes: &[Vec3], near: &Links, lacks: impl Iterator<Item = ([u32; 2], f32)>) -> Vec<f32> {
     let (mut sums, mut weights) = (vec![0.0_f32; near.len()], vec![f32::MIN_POSITIVE; near.len()]);
-    for ([a, b], lack) in edges.iter().zip(lacks) {
-        let (a, b) = (*a as usize, *b as usize);
+    for (ends, lack) in lacks {
+        let [a, b] = ends.map(|n| n as usize);
         let between = nodes[b] - nodes[a];
         let level = between.with_y(0.0).length_squared() / between.length_squared().max(f32::MIN_POSITIVE);
         for n in [a, b] {
@@ -175,10 +170,10 @@ mod tests {
             let between = nodes[*b as usize] - nodes[*a as usize];
             between.with_y(0.0).length_squared() / between.length_squared()
         };
-        let narrow = heights(nodes, &graph.near, &edges, edges.iter().map(|e| (0.04 + BUCKLING) * level(e)));
+        let narrow = heights(nodes, &graph.near, edges.iter().map(|e| (*e, (0.04 + BUCKLING) * level(e))));
         let expected = WIDTH / PI * 0.2;
         assert!(narrow.iter().all(|h| (h / expected - 1.0).abs() < 0.05), "{narrow:?}");
-        let wide = heights(nodes, &graph.near, &edges, edges.iter().map(|_| -0.02));
+        let wide = heights(nodes, &graph.near, edges.iter().map(|e| (*e, -0.02)));
         assert!(wide.iter().all(|h| *h == 0.0));
     }
 }

@@ -1,0 +1,220 @@
+//! What of an outfit hangs on one body shape, and from where: clusters of the canonical graph's nodes, 5 cm wide.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use glam::Vec3;
+
+use super::flutes;
+use crate::fitted::lengths;
+use crate::static_pass::StaticPass;
+use crate::straighten::NodeEdges;
+use crate::stretch::interleaved;
+
+/// Distances to the skin at rest between which cloth begins to fall, metres.
+const FREE: (f32, f32) = (0.02, 0.06);
+/// Height of what holds every piece of cloth at its top, metres: neckline or waistband.
+const BAND: f32 = 0.04;
+/// Share of the way that the end of an edge nearer to what holds it moves.
+const HELD: f32 = 0.5;
+
+/// A cluster that falls, as far as its tether lets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tether {
+    pub cluster: u32,
+    pub anchor: u32,
+    /// Metres along the cloth.
+    pub length: f32,
+    /// Share of the fall that it takes part in.
+    pub free: f32,
+}
+
+/// A pair of clusters of which one or both fall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Edge {
+    pub ends: [u32; 2],
+    /// Metres.
+    pub length: f32,
+    /// Shares of the way to its length, at each end.
+    pub shares: [f32; 2],
+}
+
+/// What of an outfit hangs on one body shape.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hanging {
+    /// Nodes of each cluster that have a vertex.
+    pub(super) members: Vec<Vec<u32>>,
+    pub(super) tethers: Vec<Tether>,
+    pub(super) edges: Vec<Edge>,
+    /// Pairs of nodes that touch, and their distances at rest, metres.
+    touching: Vec<([u32; 2], f32)>,
+}
+
+impl Hanging {
+    /// Of an outfit with the given `rest` positions, welded order, metres.
+    #[must_use]
+    pub fn new(statics: &StaticPass, rest: &[Vec3], nodes: &NodeEdges) -> Self {
+        let members = members(statics, nodes);
+        let node_rest = nodes.at(rest);
+        let at = means(&members, &node_rest);
+        let node_pairs = pairs(statics, nodes);
+        let of = |n: &u32| statics.cluster_of.get(*n as usize).copied().unwrap_or(0);
+        let between = node_pairs.iter().map(|[a, b]| [of(a).min(of(b)), of(a).max(of(b))]);
+        let mut pairs: Vec<_> = between.filter(|[a, b]| a != b).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let pairs = interleaved(pairs);
+        let free = free(statics, nodes, &members, &pairs);
+        let lengths_of = lengths(&at, &pairs);
+        let held = held_by(&free, &pairs, &lengths_of);
+        let touching = node_pairs.iter().copied().zip(lengths(&node_rest, &node_pairs)).collect();
+        Self {
+            edges: edges(&free, &held, &pairs, &lengths_of),
+            tethers: tethers(&free, &held),
+            members,
+            touching,
+        }
+    }
+
+    /// Whether nothing hangs.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tethers.is_empty()
+    }
+
+    /// How far flutes rise at each of the nodes at `positions`, metres; below 0 they sink.
+    #[must_use]
+    pub fn flutes(&self, statics: &StaticPass, positions: &[Vec3]) -> Vec<f32> {
+        let lack = |(ends, length): &([u32; 2], f32)| {
+            let [a, b] = ends.map(|n| positions[n as usize]);
+            (*ends, 1.0 - a.distance(b) / length.max(f32::MIN_POSITIVE))
+        };
+        let lacks = self.touching.iter().map(lack);
+        let heights = flutes::heights(&statics.nodes.positions, &statics.near, lacks);
+        heights.iter().zip(&statics.flutes).map(|(height, pattern)| height * pattern).collect()
+    }
+}
+
+/// The nodes of each cluster that have a vertex.
+fn members(statics: &StaticPass, nodes: &NodeEdges) -> Vec<Vec<u32>> {
+    let count = statics.cluster_of.iter().max().map_or(0, |c| *c as usize + 1);
+    let mut members = vec![vec![]; count];
+    for (n, (cluster, vertex)) in statics.cluster_of.iter().zip(nodes.vertices()).enumerate() {
+        if vertex.is_some() {
+            members[*cluster as usize].push(n as u32);
+        }
+    }
+    members
+}
+
+/// The mean of each cluster's members' `values`.
+pub(super) fn means(members: &[Vec<u32>], values: &[Vec3]) -> Vec<Vec3> {
+    let mean = |nodes: &Vec<u32>| {
+        nodes.iter().map(|n| values[*n as usize]).sum::<Vec3>() / nodes.len().max(1) as f32
+    };
+    members.iter().map(mean).collect()
+}
+
+/// Pairs of nodes with a vertex that touch or that an edge of the mesh joins.
+fn pairs(statics: &StaticPass, nodes: &NodeEdges) -> Vec<[u32; 2]> {
+    let stands = |n: usize| nodes.vertices().get(n).is_some_and(Option::is_some);
+    let touching = (0..statics.near.len()).flat_map(|n| statics.near.row(n).map(move |(m, _)| [n, m]));
+    let joined = statics
+        .edges
+        .iter()
+        .filter_map(|[a, b]| Some([statics.node_of(*a as usize)?, statics.node_of(*b as usize)?]));
+    let both = touching.chain(joined).filter(|[a, b]| a != b && stands(*a) && stands(*b));
+    let mut pairs: Vec<[u32; 2]> = both.map(|[a, b]| [a.min(b) as u32, a.max(b) as u32]).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// How free each cluster is to fall: 0 near the skin, in the topmost band of its piece and without members.
+fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>], pairs: &[[u32; 2]]) -> Vec<f32> {
+    let height = |c: usize| {
+        let heights = members[c].iter().map(|n| statics.nodes.positions[*n as usize].y);
+        heights.sum::<f32>() / members[c].len().max(1) as f32
+    };
+    let piece = pieces(members.len(), pairs);
+    let mut top = vec![f32::MIN; members.len()];
+    for (c, piece) in piece.iter().enumerate().filter(|(c, _)| !members[*c].is_empty()) {
+        top[*piece] = top[*piece].max(height(c));
+    }
+    let clearance = |n: &u32| {
+        let vertex = nodes.vertices().get(*n as usize).copied().flatten();
+        vertex.and_then(|v| statics.clearance.get(v as usize)).copied().unwrap_or(0.0)
+    };
+    let of = |c: usize| {
+        let mean = members[c].iter().map(clearance).sum::<f32>() / members[c].len().max(1) as f32;
+        let below = height(c) < top[piece[c]] - BAND;
+        if below { ((mean - FREE.0) / (FREE.1 - FREE.0)).clamp(0.0, 1.0) } else { 0.0 }
+    };
+    (0..members.len()).map(of).collect()
+}
+
+/// The lowest number in the connected piece that each of `count` clusters belongs to.
+fn pieces(count: usize, pairs: &[[u32; 2]]) -> Vec<usize> {
+    let mut piece: Vec<usize> = (0..count).collect();
+    loop {
+        let mut joined = false;
+        for ends in pairs {
+            let [a, b] = ends.map(|c| c as usize);
+            let lowest = piece[a].min(piece[b]);
+            joined |= piece[a] != piece[b];
+            (piece[a], piece[b]) = (lowest, lowest);
+        }
+        if !joined {
+            return piece;
+        }
+    }
+}
+
+/// Where a cluster hangs from: the nearest one along the cloth that does not fall, and the way to it, metres.
+type Held = Option<(u32, f32)>;
+
+/// What holds each cluster (Dijkstra); none where nothing does.
+fn held_by(free: &[f32], pairs: &[[u32; 2]], lengths: &[f32]) -> Vec<Held> {
+    let mut links: Vec<Vec<(u32, f32)>> = vec![vec![]; free.len()];
+    for ([a, b], length) in pairs.iter().zip(lengths) {
+        links[*a as usize].push((*b, *length));
+        links[*b as usize].push((*a, *length));
+    }
+    let mut found: Vec<Held> =
+        free.iter().enumerate().map(|(c, free)| (*free == 0.0).then_some((c as u32, 0.0))).collect();
+    // Lengths are positive, so their bits are in their order.
+    let fixed = (0..free.len()).filter(|c| free[*c] == 0.0);
+    let mut next: BinaryHeap<_> = fixed.map(|c| (Reverse(0_u32), c as u32)).collect();
+    while let Some((Reverse(bits), c)) = next.pop() {
+        let Some((anchor, way)) = found[c as usize].filter(|(_, way)| way.to_bits() == bits) else {
+            continue;
+        };
+        for (to, length) in &links[c as usize] {
+            let way = way + length;
+            if found[*to as usize].is_none_or(|(_, known)| way < known) {
+                found[*to as usize] = Some((anchor, way));
+                next.push((Reverse(way.to_bits()), *to));
+            }
+        }
+    }
+    found
+}
+
+fn tethers(free: &[f32], held: &[Held]) -> Vec<Tether> {
+    let tether = |(c, (held, free)): (usize, (&Held, &f32))| {
+        let (anchor, length) = (*held)?;
+        (*free > 0.0).then_some(Tether { cluster: c as u32, anchor, length, free: *free })
+    };
+    held.iter().zip(free).enumerate().filter_map(tether).collect()
+}
+
+fn edges(free: &[f32], held: &[Held], pairs: &[[u32; 2]], lengths: &[f32]) -> Vec<Edge> {
+    let edge = |(ends, length): (&[u32; 2], &f32)| {
+        let [a, b] = ends.map(|c| held[c as usize].map(|(_, way)| (way, free[c as usize])));
+        let ((a, mut x), (b, mut y)) = (a?, b?);
+        *(if a < b { &mut x } else { &mut y }) *= HELD;
+        let sum = x + y;
+        (sum > 0.0).then(|| Edge { ends: *ends, length: *length, shares: [x / sum, y / sum] })
+    };
+    pairs.iter().zip(lengths).filter_map(edge).collect()
+}
