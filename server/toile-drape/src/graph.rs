@@ -64,12 +64,6 @@ impl Links {
         self.index.get(i * self.width..(i + 1) * self.width).unwrap_or(&[])
     }
 
-    /// Whether a row has a target that is marked.
-    #[must_use]
-    pub fn reaches(&self, i: usize, marked: &[bool]) -> bool {
-        self.targets(i).iter().any(|&t| marked.get(t as usize).copied().unwrap_or(false))
-    }
-
     /// The links of one row with weight above zero.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f32)> {
         let range = i * self.width..(i + 1) * self.width;

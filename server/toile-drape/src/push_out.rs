@@ -19,6 +19,8 @@ pub struct Field<'a> {
 /// Share of a neighbour's push that a node without need of its own follows.
 const FOLLOW: f32 = 0.75;
 const SPREADS: usize = 3;
+/// Links between a node and the vertices that follow it, at most: a vertex follows its own node and two rings around it.
+const REACHED: usize = 3;
 /// Rounds of averaging of a smoothed field.
 const RELAXATIONS: usize = 6;
 
@@ -27,15 +29,28 @@ impl Field<'_> {
     #[must_use]
     pub fn spread(&self, need: &[Vec3]) -> Vec<Vec3> {
         let nodes = self.gather(need);
-        let pushed: Vec<bool> = nodes.iter().map(|n| *n != Vec3::ZERO).collect();
+        let reached = self.reached(&nodes);
+        let own = |v: usize| self.vertex_from_node.targets(v).first().map_or(0, |n| *n as usize);
         let value = |v: usize| {
-            if self.vertex_from_node.reaches(v, &pushed) {
+            if reached.get(own(v)).is_some_and(|r| *r) {
                 self.vertex_from_node.blended(v, &nodes)
             } else {
                 Vec3::ZERO
             }
         };
         (0..need.len()).map(value).collect()
+    }
+
+    /// The nodes whose vertices may follow one that is pushed.
+    fn reached(&self, nodes: &[Vec3]) -> Vec<bool> {
+        let mut reached: Vec<bool> = nodes.iter().map(|n| *n != Vec3::ZERO).collect();
+        let mut last: Vec<usize> = (0..nodes.len()).filter(|&n| reached[n]).collect();
+        for _ in 0..REACHED {
+            let around = last.iter().flat_map(|&n| self.near.targets(n));
+            last =
+                around.map(|&n| n as usize).filter(|&n| !std::mem::replace(&mut reached[n], true)).collect();
+        }
+        reached
     }
 
     /// A field over nodes relaxed over their neighbours and read at `vertices` vertices.
