@@ -172,7 +172,10 @@ fn print_table(columns: &[(MethodKind, Measured)]) {
     println!("| stage, median ms | {} |\n|---|{}", heads.join(" | "), "---:|".repeat(columns.len()));
     let names = columns.first().map_or(&[][..], |(_, measured)| measured.stages.as_slice());
     for (name, _) in names {
-        row(name, &|measured| format!("{:.3}", measured.stage(name)));
+        row(name, &|measured| match measured.stage(name) {
+            ms if ms.is_nan() => String::new(),
+            ms => format!("{ms:.3}"),
+        });
     }
     row("whole", &|measured| format!("{:.3}", measured.whole));
     row("repetitions", &|measured| measured.repetitions.to_string());
