@@ -14,12 +14,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from body import quaternions as qt
 from body.anny_body import AnnyBody
 from body.clearance import sample_bodies
-from body.motion_capture import Clip, read_bvh, retargeted
-from body.pose_sampling import cleared
-from body.posture import SIDES, arm
+from body.motion_capture import read_bvh
+from captured import Pose, frames
 from pixel_data import Drapes, Maker, in_poses, load, shirt
 from pixel_filter import offsets_of
 from pixel_poses import LEGS
@@ -30,36 +28,8 @@ from teacher.checks import Limits
 from train_pixel import answers
 from training_data import Sample
 
-Pose = dict[str, np.ndarray]
-#: Frames tried for each that is wanted, because some are left out.
-TRIED = 4
 #: Joints that stand still.
 STILL = (*LEGS, "leftFoot", "rightFoot")
-
-
-def frames(clip: Clip, count: int) -> list[Pose]:
-    """`count` poses spread over a clip, or all that there are; arms are lifted where they are too near the trunk."""
-    rate = min(1 / clip.seconds, TRIED * count / (len(clip.turns) * clip.seconds))
-    tried = [{k: q for k, q in pose.items() if k not in STILL} for pose in retargeted(clip, rate)]
-    # Of the reference body alone, which is what drapes are on: a heavy one would have its arms lifted further.
-    found = [(pose, cleared(pose, sample_bodies()[:1])) for pose in tried]
-    kept = [(before, after) for before, after in found if after is not None]
-    if not kept:
-        raise ValueError("the body meets itself in every frame")
-    count = min(count, len(kept))
-    # The middle of each stretch, because the first frame of many a clip is the rest pose.
-    some = [kept[int((k + 0.5) * len(kept) / count)] for k in range(count)]
-    lifts = np.array([[lift(*poses, side) for side in SIDES] for poses in some])
-    dropped = f"{len(tried)} tried, {len(tried) - len(kept)} dropped as the body meets itself, {count} used"
-    lifted = f"{(lifts > 1).sum()} of {lifts.size} arms lifted, all of them by {lifts.mean():.1f} degrees on average"
-    print(f"{len(clip.turns)} frames of {1e3 * clip.seconds:.1f} ms: {dropped}; {lifted}, {lifts.max():.0f} at most")
-    return [after for _, after in some]
-
-
-def lift(before: Pose, after: Pose, side: str) -> float:
-    """Degrees between an upper arm in two poses."""
-    turned = qt.multiply(qt.inverse(before[arm(side).upper]), after[arm(side).upper])
-    return float(np.degrees(2 * np.arctan2(np.linalg.norm(turned[:3]), abs(turned[3]))))
 
 
 def relaxed(poses: list[Pose], device: str, batch: int) -> tuple[Sample, Drapes]:
@@ -111,7 +81,9 @@ def main() -> None:
     p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
     p.add_argument("--save", type=Path, metavar="DIR", help="where to put a picture of some frames")
     a = p.parse_args()
-    sample, drapes = relaxed(frames(read_bvh(a.clip.read_text()), a.frames), a.device, a.batch)
+    # Of the reference body alone, which is what drapes are on: a heavy one would have its arms lifted further.
+    poses = frames(read_bvh(a.clip.read_text()), a.frames, sample_bodies()[:1], STILL)
+    sample, drapes = relaxed(poses, a.device, a.batch)
     found = ways(sample, drapes)
     print("\n| | error cm | degrees |\n|---|---:|---:|")
     for name, x in found.items():

@@ -23,6 +23,8 @@ from training_data import BodyBank, Sample, carry
 
 #: Points of a body that the network sees, about.
 POINTS = 4096
+#: Turn about the upright up to which networks see bodies, radians; poses to train on turn less.
+FACING = 0.3
 #: Sizes of the neighbourhoods whose curvature counts (section 3.5).
 SCALES = (8, 16, 32)
 
@@ -108,9 +110,10 @@ def load(kind: str, split: Split, bank: BodyBank, folder: Path = GARNET) -> tupl
         rest = carry(sample, bank, entry)[0].double().numpy()
         transforms = entry.transforms[list(kept)].double().numpy()
         warped = warped_on(sample, garment, rest, transforms)
+        hips = transforms[:, int((bank.parents < 0).nonzero()[0, 0])]
         rows += [
-            (*_scene(garment, Warped(*one), x, entry.vertices[p], entry.normals[p]), torch.tensor([k, p]))
-            for *one, (p, x) in zip(*astuple(warped), kept.items(), strict=True)
+            (*_scene(garment, Warped(*one), x, shown(root), entry.vertices[p], entry.normals[p]), torch.tensor([k, p]))
+            for *one, root, (p, x) in zip(*astuple(warped), hips, kept.items(), strict=True)
         ]
     if not rows:
         raise FileNotFoundError(f"no drapes of {kind} under {folder}: run `python -m garnet_data` first")
@@ -140,13 +143,28 @@ def warped_on(sample: Sample, garment: Garment, rest: np.ndarray, transforms: np
     return Warped(motions.move(nodes), motions.turns(), warp(rest, weight.double().numpy(), joint.numpy(), transforms))
 
 
-def _scene(garment: Garment, one: Warped, truth: np.ndarray, skin: Tensor, normals: Tensor) -> tuple[Tensor, ...]:
-    """One row of `Scenes`, less which it is."""
+def shown(hips: np.ndarray) -> np.ndarray:
+    """Turns the world until a body faces at most `FACING` from +Z, (3, 3): neither cloth nor gravity notices.
+
+    hips: their transform from the A-pose, (3, 4) or (4, 4). The service does the same
+    (`toile-drape/src/methods/garnet.rs`).
+    """
+    facing = np.arctan2(hips[0, 2], hips[2, 2])
+    back = np.clip(facing, -FACING, FACING) - facing
+    sin, cos = np.sin(back), np.cos(back)
+    return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
+
+
+def _scene(
+    garment: Garment, one: Warped, truth: np.ndarray, facing: np.ndarray, skin: Tensor, normals: Tensor
+) -> tuple[Tensor, ...]:
+    """One row of `Scenes`, less which it is, turned by `facing`, (3, 3)."""
     middle = one.nodes.mean(0)
     body = skin[garment.points].double().numpy()
     pooled = tables.nearest_thinned(one.nodes, body, garment.thinned.numpy(), POOLED)
     rest = garment.nodes - garment.nodes.mean(0)
     places = (one.nodes, one.vertices, truth, body)
-    nodes, *others = [torch.as_tensor(x - middle, dtype=torch.float32) for x in places]
-    turn, pooled = torch.as_tensor(one.turns).float(), torch.as_tensor(pooled, dtype=torch.int32)
-    return (torch.cat([nodes, rest], 1), turn, *others, normals[garment.points], pooled)
+    nodes, *others = [torch.as_tensor((x - middle) @ facing.T, dtype=torch.float32) for x in places]
+    turn, pooled = torch.as_tensor(facing @ one.turns).float(), torch.as_tensor(pooled, dtype=torch.int32)
+    seen = normals[garment.points] @ torch.as_tensor(facing.T, dtype=torch.float32)
+    return (torch.cat([nodes, rest], 1), turn, *others, seen, pooled)

@@ -8,6 +8,7 @@ import torch
 
 import garnet_losses as losses
 from evaluate_garnet import measured, row
+from evaluate_garnet_motion import Captured, relaxed, table
 from garnet_data import SPLITS, Drape, Maker, Split, drapes, missing, samples
 from garnet_scenes import Garment, Scenes, load
 from nets.garnet import GarNet, Sizes
@@ -120,3 +121,15 @@ def test_the_table_tells_better_from_worse(scenes: tuple[Garment, Scenes]) -> No
         assert none.distance == none.rayleigh == none.mean_curvature == 0
         assert none.inside < 2
     assert row("truth", perfect).startswith("| truth | 0.00 ± 0.00 | 0.0 ± 0.0 |")
+
+
+def test_captured_poses_are_relaxed_on_bodies_of_the_test(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pose = {"leftUpperArm": np.array([0, 0, 0.1, 0.995])}
+    split = Captured("clip", 2, 1, SPLITS[-1].seed, (pose,))
+    tested = Split("test", 2, 1, SPLITS[-1].seed).bank().entries[1]
+    torch.testing.assert_close(split.bank().entries[1].shape, tested.shape)
+    samples(tmp_path, density=600)
+    relaxed(split, tmp_path, batch=4, steps=80)
+    assert {p.name for p in tmp_path.glob("*/clip/*.npz")} == {"001_00.npz"}
+    table(split, tmp_path)
+    assert "| all, warped (DQS) |" in capsys.readouterr().out

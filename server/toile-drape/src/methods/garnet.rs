@@ -18,6 +18,9 @@ use crate::static_pass::StaticPass;
 /// Entries of a ring: a node and its neighbours.
 const RING: usize = NEIGHBOURS + 1;
 
+/// Turn about the upright up to which bodies face in training, radians (`model/garnet_scenes.py`).
+const FACING: f32 = 0.3;
+
 /// `GarNet++`, local variant.
 pub struct Garnet;
 
@@ -104,6 +107,8 @@ struct Scene<'a> {
     /// Where skinning puts the nodes, and by what it turns them, world from rest.
     nodes: Vec<Vec3>,
     turns: Vec<Mat3>,
+    /// What the networks are shown it in, from the world.
+    shown: Mat3,
 }
 
 impl<'a> Scene<'a> {
@@ -119,7 +124,7 @@ impl<'a> Scene<'a> {
         let rig = &wearer.statics.nodes;
         let motions = motions(&rig.joints, &rig.weights, transforms);
         let (nodes, turns) = nodes.iter().zip(motions).map(|(p, m)| (m.transform(*p), m.turn())).unzip();
-        Self { wearer, thinned, seen, transforms, nodes, turns }
+        Self { wearer, thinned, seen, transforms, nodes, turns, shown: shown(wearer.parents, transforms) }
     }
 
     /// The garments' vertices where skinning puts them, and the translations of the nodes read there. World, m.
@@ -140,12 +145,16 @@ impl<'a> Scene<'a> {
         let count = nodes.len();
         let middle = nodes.iter().sum::<Vec3>() / count as f32;
         let pooled = self.wearer.seen.pooled(&self.seen, &nodes);
-        let body: Vec<f32> = self.seen.iter().flat_map(|p| (*p - middle).to_array()).collect();
-        let rows = nodes.iter().zip(&piece.rest).map(|(p, rest)| [(*p - middle).to_array(), rest.to_array()]);
+        let shown = |p: &Vec3| (self.shown * (*p - middle)).to_array();
+        let body: Vec<f32> = self.seen.iter().flat_map(shown).collect();
+        let rows = nodes.iter().zip(&piece.rest).map(|(p, rest)| [shown(p), rest.to_array()]);
         let garment: Vec<f32> = rows.flatten().flatten().collect();
         // Row by row; glam keeps columns.
-        let turns: Vec<f32> =
-            piece.nodes.iter().flat_map(|&n| self.turns[n].transpose().to_cols_array()).collect();
+        let turns: Vec<f32> = piece
+            .nodes
+            .iter()
+            .flat_map(|&n| (self.shown * self.turns[n]).transpose().to_cols_array())
+            .collect();
         let thinned = [self.wearer.seen.thinned.len(), AVERAGED];
         let graph = piece.kind.graph();
         let answer = networks.run(
@@ -162,8 +171,36 @@ impl<'a> Scene<'a> {
         )?;
         let translations = only(graph, answer, 3 * count)?;
         for (&node, t) in piece.nodes.iter().zip(translations.as_chunks::<3>().0) {
-            moved[node] = Vec3::from_array(*t);
+            moved[node] = self.shown.transpose() * Vec3::from_array(*t);
         }
         Ok(())
+    }
+}
+
+/// Turns the world until a body faces as far from +Z as in training at most: neither cloth nor gravity notices.
+fn shown(parents: &[Option<usize>], transforms: &[Affine3A]) -> Mat3 {
+    let hips = parents.iter().zip(transforms).find(|(parent, _)| parent.is_none());
+    let ahead = hips.map_or(Vec3::Z, |(_, hips)| hips.transform_vector3(Vec3::Z));
+    let facing = ahead.x.atan2(ahead.z);
+    Mat3::from_rotation_y(facing.clamp(-FACING, FACING) - facing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a body that is turned about the upright by some radians is shown to face.
+    fn faces(turn: f32) -> f32 {
+        let hips = Affine3A::from_rotation_y(turn);
+        let ahead = shown(&[None, Some(0)], &[hips, Affine3A::IDENTITY]) * hips.transform_vector3(Vec3::Z);
+        ahead.x.atan2(ahead.z)
+    }
+
+    #[test]
+    fn bodies_are_shown_facing_as_in_training() {
+        for turn in [-0.2, 0.0, 0.29] {
+            assert!((faces(turn) - turn).abs() < 1e-6);
+        }
+        assert!((faces(1.6) - FACING).abs() < 1e-5 && (faces(-3.0) + FACING).abs() < 1e-5);
     }
 }

@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use crate::graph::Links;
+use crate::graph::{Links, NEIGHBOURS};
 
 /// Width of a flute, crest to crest, metres.
 const WIDTH: f32 = 0.16;
@@ -17,6 +17,9 @@ const WIDTH: f32 = 0.16;
 const FALL: f32 = 0.11;
 /// Distance from which nodes do not act on each other, metres.
 const REACH: f32 = 0.22;
+/// Nodes that act on each other at most: around each, and in all together, so that crammed cloth takes no more time.
+const AROUND: usize = 2000;
+const IN_ALL: usize = 8_000_000;
 /// Rounds of growth and how much each adds.
 const ROUNDS: usize = 16;
 const GROWTH: f32 = 3.0;
@@ -77,7 +80,8 @@ fn around(i: usize, nodes: &[Vec3], near: &Links, seen: &mut [u32]) -> Vec<u32> 
     let mut found = vec![i as u32];
     seen[i] = i as u32;
     let mut next = 0;
-    while let Some(&from) = found.get(next) {
+    let most = (IN_ALL / nodes.len().max(1)).clamp(NEIGHBOURS, AROUND);
+    while let Some(&from) = found.get(next).filter(|_| found.len() < most) {
         for &to in near.targets(from as usize) {
             let t = to as usize;
             if seen[t] != i as u32 && nodes[t].distance_squared(nodes[i]) < REACH * REACH {
@@ -152,6 +156,15 @@ mod tests {
         let pairs: Vec<_> = (0..nodes.len()).filter_map(|n| Some((n, above(n)?))).collect();
         let same = pairs.iter().filter(|(n, m)| height[*n] * height[*m] > 0.0).count();
         assert!(same as f32 > 0.8 * pairs.len() as f32, "{same} of {}", pairs.len());
+    }
+
+    #[test]
+    fn of_crammed_cloth_a_part_is_looked_at() {
+        let count = 4 * AROUND;
+        let index = (0..count as u32).map(|n| (n + 1) % count as u32).collect();
+        let near = Links { width: 1, index, weight: vec![1.0; count] };
+        let found = around(0, &vec![Vec3::ZERO; count], &near, &mut vec![u32::MAX; count]);
+        assert_eq!(found.len(), AROUND);
     }
 
     #[test]

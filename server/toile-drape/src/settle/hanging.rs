@@ -4,9 +4,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use glam::Vec3;
+use toile_geometry::mesh::Adjacency;
 
 use super::flutes;
 use crate::fitted::lengths;
+use crate::graph::components;
 use crate::static_pass::StaticPass;
 use crate::straighten::NodeEdges;
 use crate::stretch::interleaved;
@@ -139,7 +141,8 @@ fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>], pairs: &[
     let piece = pieces(members.len(), pairs);
     let mut top = vec![f32::MIN; members.len()];
     for (c, piece) in piece.iter().enumerate().filter(|(c, _)| !members[*c].is_empty()) {
-        top[*piece] = top[*piece].max(height(c));
+        let top = &mut top[*piece as usize];
+        *top = top.max(height(c));
     }
     let clearance = |n: &u32| {
         let vertex = nodes.vertices().get(*n as usize).copied().flatten();
@@ -147,27 +150,16 @@ fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>], pairs: &[
     };
     let of = |c: usize| {
         let mean = members[c].iter().map(clearance).sum::<f32>() / members[c].len().max(1) as f32;
-        let below = height(c) < top[piece[c]] - BAND;
+        let below = height(c) < top[piece[c] as usize] - BAND;
         if below { ((mean - FREE.0) / (FREE.1 - FREE.0)).clamp(0.0, 1.0) } else { 0.0 }
     };
     (0..members.len()).map(of).collect()
 }
 
-/// The lowest number in the connected piece that each of `count` clusters belongs to.
-fn pieces(count: usize, pairs: &[[u32; 2]]) -> Vec<usize> {
-    let mut piece: Vec<usize> = (0..count).collect();
-    loop {
-        let mut joined = false;
-        for ends in pairs {
-            let [a, b] = ends.map(|c| c as usize);
-            let lowest = piece[a].min(piece[b]);
-            joined |= piece[a] != piece[b];
-            (piece[a], piece[b]) = (lowest, lowest);
-        }
-        if !joined {
-            return piece;
-        }
-    }
+/// The connected piece that each of `count` clusters belongs to.
+fn pieces(count: usize, pairs: &[[u32; 2]]) -> Vec<u32> {
+    let both = pairs.iter().flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
+    components(&vec![(); count], &Adjacency::from_pairs(count, both))
 }
 
 /// Where a cluster hangs from: the nearest one along the cloth that does not fall, and the way to it, metres.
