@@ -29,8 +29,12 @@ report() {
     awk -v what="$1" '/VmRSS/ { printf "%-24s %4d MB\n", what, $2 / 1000 }' "/proc/$server/status"
 }
 
+ids() {
+    python3 -c 'import json, sys; print(*(outfit["id"] for outfit in json.load(sys.stdin)["data"]), sep="\n")'
+}
+
 drape_all() {
-    curl -sf "$url/v1/outfits?limit=100" | grep -o '"id":"[^"]*"' | cut -d'"' -f4 | sort -u | while read -r id; do
+    curl -sf "$url/v1/outfits?limit=100" | ids | while read -r id; do
         curl -sf -o /dev/null -H 'content-type: application/json' "$url/v1/drapes" \
             -d "{\"outfit\": \"$id\", \"pose\": {\"kind\": \"preset\", \"id\": \"sitting\"}}"
     done

@@ -35,14 +35,18 @@ const SMOOTH: usize = 4;
 /// rest, leaves none. `nodes`: rest positions, metres.
 #[must_use]
 pub fn pattern(nodes: &[Vec3], near: &Links, vertex_from_node: &Links, room: &[f32]) -> Vec<f32> {
-    let kernel = kernel(nodes, near);
+    let (ends, kernel) = kernel(nodes, near);
     let mut height: Vec<f32> = nodes.iter().map(|p| noise(*p)).collect();
     for _ in 0..ROUNDS {
-        let act = |row: &Vec<(u32, f32)>| {
+        let mut start = 0;
+        let act = |end: &usize| {
+            let row = kernel.get(start..*end).unwrap_or(&[]);
+            start = *end;
             let sum: f32 = row.iter().map(|(j, w)| w * height.get(*j as usize).copied().unwrap_or(0.0)).sum();
             (GROWTH * sum).tanh()
         };
-        height = kernel.iter().map(act).collect();
+        let grown = ends.iter().map(act).collect();
+        height = grown;
     }
     let free = |room: &f32| ((room - ROOM.0) / (ROOM.1 - ROOM.0)).clamp(0.0, 1.0);
     height.iter_mut().zip(room).for_each(|(h, room)| *h *= free(room));
@@ -55,11 +59,12 @@ pub fn pattern(nodes: &[Vec3], near: &Links, vertex_from_node: &Links, room: &[f
     height.iter().map(|h| h * scale).collect()
 }
 
-/// How much each node is raised by those around it: up by those above and below, down by those half a flute away.
-fn kernel(nodes: &[Vec3], near: &Links) -> Vec<Vec<(u32, f32)>> {
+/// How much each node is raised by those around it: up by those above and below, down by those half a flute away. Where
+/// each row ends, and all rows in one list, which many small ones would leave holes in memory for.
+fn kernel(nodes: &[Vec3], near: &Links) -> (Vec<usize>, Vec<(u32, f32)>) {
     let sigma = WIDTH / (2.0_f32.sqrt() * PI);
     let mut seen = vec![u32::MAX; nodes.len()];
-    let row = |i: usize| {
+    let mut row = |i: usize| {
         let act = |j: u32| {
             let between = nodes[j as usize] - nodes[i];
             let across = between.with_y(0.0).length_squared() / (sigma * sigma);
@@ -72,7 +77,12 @@ fn kernel(nodes: &[Vec3], near: &Links) -> Vec<Vec<(u32, f32)>> {
         row.iter_mut().for_each(|r| r.1 /= if r.1 > 0.0 { up } else { down });
         row
     };
-    (0..near.len().min(nodes.len())).map(row).collect()
+    let (mut ends, mut all) = (Vec::new(), Vec::new());
+    for i in 0..near.len().min(nodes.len()) {
+        all.extend(row(i));
+        ends.push(all.len());
+    }
+    (ends, all)
 }
 
 /// A node and those within reach that are linked to it through others within reach.
