@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from scipy.spatial.transform import Rotation
 
 import garnet_losses as losses
 from evaluate_garnet import measured, row
 from evaluate_garnet_motion import Captured, relaxed, table
 from garnet_data import SPLITS, Drape, Maker, Split, drapes, missing, samples
-from garnet_scenes import Garment, Scenes, load
+from garnet_scenes import Garment, Scenes, load, shown
 from nets.garnet import GarNet, Sizes
 from train_garnet import Settings, curvature, draped, learn, physical
 from training_data import BodyBank
@@ -133,3 +134,10 @@ def test_captured_poses_are_relaxed_on_bodies_of_the_test(tmp_path: Path, capsys
     assert {p.name for p in tmp_path.glob("*/clip/*.npz")} == {"001_00.npz"}
     table(split, tmp_path)
     assert "| all, warped (DQS) |" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("turn", "left"), [(0.2, 0.2), (-0.29, -0.29), (1.6, 0.3), (-3.0, -0.3)])
+def test_bodies_are_shown_facing_as_in_training(turn: float, left: float) -> None:
+    hips = Rotation.from_euler("y", turn).as_matrix()
+    ahead = shown(hips) @ hips @ np.array([0.0, 0.0, 1.0])
+    assert np.arctan2(ahead[0], ahead[2]) == pytest.approx(left)

@@ -64,6 +64,12 @@ impl Links {
         self.index.get(i * self.width..(i + 1) * self.width).unwrap_or(&[])
     }
 
+    /// The target of a row with the largest weight: rows are sorted by it.
+    #[must_use]
+    pub fn nearest(&self, i: usize) -> Option<usize> {
+        self.targets(i).first().map(|t| *t as usize)
+    }
+
     /// The links of one row with weight above zero.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f32)> {
         let range = i * self.width..(i + 1) * self.width;

@@ -46,6 +46,17 @@ impl LayerContacts {
         self.outer.iter().zip(inner).zip(&self.gap).map(|((o, i), g)| (*o as usize, i, *g))
     }
 
+    /// Lessens the `room`, metres, of the nodes of vertices that lie over or under other cloth to their gap at rest.
+    pub fn narrow(&self, room: &mut [f32], node_of: impl Fn(usize) -> Option<usize>) {
+        for (outer, inner, gap) in self.iter() {
+            for v in inner.iter().take(1).map(|v| *v as usize).chain([outer]) {
+                if let Some(room) = node_of(v).and_then(|n| room.get_mut(n)) {
+                    *room = room.min(gap.abs());
+                }
+            }
+        }
+    }
+
     /// Bytes held in memory.
     #[must_use]
     pub fn byte_size(&self) -> usize {

@@ -30,9 +30,8 @@ impl Field<'_> {
     pub fn spread(&self, need: &[Vec3]) -> Vec<Vec3> {
         let nodes = self.gather(need);
         let reached = self.reached(&nodes);
-        let own = |v: usize| self.vertex_from_node.targets(v).first().map_or(0, |n| *n as usize);
         let value = |v: usize| {
-            if reached.get(own(v)).is_some_and(|r| *r) {
+            if self.vertex_from_node.nearest(v).and_then(|n| reached.get(n)).is_some_and(|r| *r) {
                 self.vertex_from_node.blended(v, &nodes)
             } else {
                 Vec3::ZERO

@@ -181,8 +181,7 @@ impl StaticPass {
     /// The node around cloth vertex `v`.
     #[must_use]
     pub fn node_of(&self, v: usize) -> Option<usize> {
-        // Links are sorted by weight.
-        self.vertex_from_node.targets(v).first().map(|n| *n as usize)
+        self.vertex_from_node.nearest(v)
     }
 
     /// Descriptors of the vertices, row-major (vertices, width), interpolated from the nodes.
@@ -219,14 +218,7 @@ impl StaticPass {
 /// Distance of every node to the skin and to other cloth at rest, metres; far from both it is that to the skin.
 fn room(graph: &OutfitGraph, layers: &LayerContacts, reference: &ReferenceBody) -> Vec<f32> {
     let mut room: Vec<f32> = graph.nodes.positions.iter().map(|p| reference.signed_distance(*p)).collect();
-    let node = |v: usize| graph.vertex_from_node.targets(v).first().map(|n| *n as usize);
-    for (outer, inner, gap) in layers.iter() {
-        for v in inner.iter().take(1).map(|v| *v as usize).chain([outer]) {
-            if let Some(room) = node(v).and_then(|n| room.get_mut(n)) {
-                *room = room.min(gap.abs());
-            }
-        }
-    }
+    layers.narrow(&mut room, |v| graph.vertex_from_node.nearest(v));
     room
 }
 

@@ -6,14 +6,14 @@ use std::collections::BinaryHeap;
 use glam::Vec3;
 use toile_geometry::mesh::Adjacency;
 
-use super::flutes;
+use super::{flutes, linked};
 use crate::fitted::lengths;
 use crate::graph::components;
 use crate::static_pass::StaticPass;
 use crate::straighten::NodeEdges;
 use crate::stretch::interleaved;
 
-/// Distances to the skin at rest between which cloth begins to fall, metres.
+/// Distances to the skin or other cloth at rest between which cloth begins to fall, metres.
 const FREE: (f32, f32) = (0.02, 0.06);
 /// Height of what holds every piece of cloth at its top, metres: neckline or waistband.
 const BAND: f32 = 0.04;
@@ -119,20 +119,16 @@ pub(super) fn means(members: &[Vec<u32>], values: &[Vec3]) -> Vec<Vec3> {
 
 /// Pairs of nodes with a vertex that touch or that an edge of the mesh joins.
 fn pairs(statics: &StaticPass, nodes: &NodeEdges) -> Vec<[u32; 2]> {
-    let stands = |n: usize| nodes.vertices().get(n).is_some_and(Option::is_some);
-    let touching = (0..statics.near.len()).flat_map(|n| statics.near.row(n).map(move |(m, _)| [n, m]));
-    let joined = statics
-        .edges
-        .iter()
-        .filter_map(|[a, b]| Some([statics.node_of(*a as usize)?, statics.node_of(*b as usize)?]));
-    let both = touching.chain(joined).filter(|[a, b]| a != b && stands(*a) && stands(*b));
-    let mut pairs: Vec<[u32; 2]> = both.map(|[a, b]| [a.min(b) as u32, a.max(b) as u32]).collect();
+    let stands = |n: &u32| nodes.vertices().get(*n as usize).is_some_and(Option::is_some);
+    let linked = linked(&statics.near, &statics.vertex_from_node, &statics.edges);
+    let both = linked.filter(|ends| ends.iter().all(stands));
+    let mut pairs: Vec<[u32; 2]> = both.map(|[a, b]| [a.min(b), a.max(b)]).collect();
     pairs.sort_unstable();
     pairs.dedup();
     pairs
 }
 
-/// How free each cluster is to fall: 0 near the skin, in the topmost band of its piece and without members.
+/// How free each cluster is to fall: 0 near the skin and other cloth, in the topmost band of its piece and without members.
 fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>], pairs: &[[u32; 2]]) -> Vec<f32> {
     let height = |c: usize| {
         let heights = members[c].iter().map(|n| statics.nodes.positions[*n as usize].y);
@@ -144,12 +140,12 @@ fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>], pairs: &[
         let top = &mut top[*piece as usize];
         *top = top.max(height(c));
     }
-    let clearance = |n: &u32| {
-        let vertex = nodes.vertices().get(*n as usize).copied().flatten();
-        vertex.and_then(|v| statics.clearance.get(v as usize)).copied().unwrap_or(0.0)
-    };
+    let clearance =
+        |v: &Option<u32>| v.and_then(|v| statics.clearance.get(v as usize)).copied().unwrap_or(0.0);
+    let mut room: Vec<f32> = nodes.vertices().iter().map(clearance).collect();
+    statics.layers.narrow(&mut room, |v| statics.node_of(v));
     let of = |c: usize| {
-        let mean = members[c].iter().map(clearance).sum::<f32>() / members[c].len().max(1) as f32;
+        let mean = members[c].iter().map(|n| room[*n as usize]).sum::<f32>() / members[c].len().max(1) as f32;
         let below = height(c) < top[piece[c] as usize] - BAND;
         if below { ((mean - FREE.0) / (FREE.1 - FREE.0)).clamp(0.0, 1.0) } else { 0.0 }
     };

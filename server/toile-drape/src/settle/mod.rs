@@ -25,16 +25,20 @@ const CLUSTER_SIZE: f32 = 0.05;
 /// The cluster of each node of an outfit whose mesh has the given `edges`, and the nodes' places between the clusters.
 #[must_use]
 pub fn clusters(graph: &OutfitGraph, edges: &[[u32; 2]]) -> (Vec<u32>, Links) {
-    let nodes = graph.near.len();
-    let touching = (0..nodes).flat_map(|n| graph.near.row(n).map(move |(m, _)| (n as u32, m as u32)));
-    let node = |v: u32| graph.vertex_from_node.targets(v as usize).first().copied();
-    // Meshes coarser than the graph have nodes without a vertex between the ends of an edge.
-    let joined = edges.iter().filter_map(|[a, b]| Some((node(*a)?, node(*b)?)));
-    let both = touching.chain(joined).filter(|(a, b)| a != b).flat_map(|(a, b)| [(a, b), (b, a)]);
-    let links = Adjacency::from_pairs(nodes, both.collect());
+    let both = linked(&graph.near, &graph.vertex_from_node, edges).flat_map(|[a, b]| [(a, b), (b, a)]);
+    let links = Adjacency::from_pairs(graph.near.len(), both.collect());
     let clusters = cluster(&graph.nodes.positions, &links, &graph.nodes.garment, CLUSTER_SIZE);
     let from = interpolation(&graph.nodes.positions, &clusters, CLUSTER_SIZE);
     (clusters.cluster_of, from)
+}
+
+/// Pairs of nodes that touch or that one of the mesh's `edges` joins, some of them twice: meshes coarser than the graph
+/// have nodes without a vertex between the ends of an edge.
+fn linked(near: &Links, vertex_from_node: &Links, edges: &[[u32; 2]]) -> impl Iterator<Item = [u32; 2]> {
+    let touching = (0..near.len()).flat_map(|n| near.row(n).map(move |(m, _)| [n, m]));
+    let node = |v: u32| vertex_from_node.nearest(v as usize);
+    let joined = edges.iter().filter_map(move |[a, b]| Some([node(*a)?, node(*b)?]));
+    touching.chain(joined).filter(|[a, b]| a != b).map(|ends| ends.map(|n| n as u32))
 }
 
 /// Settles world `positions` (welded order) of an outfit on a body.
