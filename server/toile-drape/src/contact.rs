@@ -48,6 +48,12 @@ impl Contact {
         (-self.distance.min(self.across)).max(0.0)
     }
 
+    /// Whether either surface is nearer than some metres.
+    #[must_use]
+    pub fn is_nearer(&self, metres: f32) -> bool {
+        self.distance.min(self.across) < metres
+    }
+
     /// The shortest way to `gap` in front of this surface and `fold_gap` in front of the one across the fold, metres;
     /// none where neither lacks more than `tolerance`. Where the surfaces meet, it leads to the fold's mouth.
     #[must_use]

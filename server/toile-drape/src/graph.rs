@@ -87,6 +87,14 @@ impl Links {
         links.fold(Vec3::ZERO, |sum, (t, w)| sum + values.get(*t as usize).copied().unwrap_or_default() * *w)
     }
 
+    /// The weighted sum of the targets' `values` of one row.
+    #[must_use]
+    pub fn mean(&self, i: usize, values: &[f32]) -> f32 {
+        let weight = self.weight.get(i * self.width..(i + 1) * self.width).unwrap_or(&[]);
+        let links = self.targets(i).iter().zip(weight);
+        links.map(|(t, w)| values.get(*t as usize).copied().unwrap_or_default() * *w).sum()
+    }
+
     /// Drops all rows but the first `rows`.
     pub fn keep(&mut self, rows: usize) {
         self.index.truncate(rows * self.width);

@@ -228,7 +228,7 @@ fn drape_frame(
     let ring = &scene.studio.reference.ring;
     let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
     if scene.request.resolve && scene.request.method.settles() {
-        timing.time("settle", || settle(outfit, statics, scene.fitted, &skin, &mut positions));
+        timing.time("settle", || settle(statics, scene.fitted, &skin, &mut positions));
     }
     let resolved = timing.time("resolve", || match scene.placement {
         // Where cloth lies inside the body is told, but it stays there.

@@ -4,6 +4,7 @@
 //! neighbours and interpolated back: folds and ornaments smaller than a node move as one.
 
 use glam::Vec3;
+use toile_geometry::mesh::Adjacency;
 
 use crate::graph::Links;
 
@@ -14,7 +15,12 @@ pub struct Field<'a> {
     pub vertex_from_node: &'a Links,
     /// Touching nodes.
     pub near: &'a Links,
+    /// Vertices of each node ([`followers`]).
+    pub followers: &'a Adjacency,
 }
+
+/// A vertex and the way that it is pushed, metres.
+pub type Push = (u32, Vec3);
 
 /// Share of a neighbour's push that a node without need of its own follows.
 const FOLLOW: f32 = 0.75;
@@ -24,30 +30,43 @@ const REACHED: usize = 3;
 /// Rounds of averaging of a smoothed field.
 const RELAXATIONS: usize = 6;
 
+/// Those of all vertices that `need` one, metres.
+#[must_use]
+pub fn pushes(need: &[Vec3]) -> Vec<Push> {
+    let all = (0..need.len() as u32).zip(need.iter().copied());
+    all.filter(|push| push.1 != Vec3::ZERO).collect()
+}
+
+/// The vertices of each of `count` nodes, each at the node that it follows most.
+#[must_use]
+pub fn followers(vertex_from_node: &Links, count: usize) -> Adjacency {
+    let pair = |v: usize| Some((vertex_from_node.nearest(v)? as u32, v as u32));
+    Adjacency::from_pairs(count, (0..vertex_from_node.len()).filter_map(pair).collect())
+}
+
 impl Field<'_> {
-    /// Spreads the pushes that single vertices need, (vertices,) metres, over the cloth around them.
+    /// Spreads the pushes that single vertices `need` over the cloth around them.
     #[must_use]
-    pub fn spread(&self, need: &[Vec3]) -> Vec<Vec3> {
+    pub fn spread(&self, need: &[Push]) -> Vec<Push> {
         let nodes = self.gather(need);
-        let reached = self.reached(&nodes);
-        let value = |v: usize| {
-            if self.vertex_from_node.nearest(v).and_then(|n| reached.get(n)).is_some_and(|r| *r) {
-                self.vertex_from_node.blended(v, &nodes)
-            } else {
-                Vec3::ZERO
-            }
-        };
-        (0..need.len()).map(value).collect()
+        let follow = |n: u32| self.followers.of(n as usize).iter();
+        let push = |v: &u32| (*v, self.vertex_from_node.blended(*v as usize, &nodes));
+        self.reached(&nodes).into_iter().flat_map(follow).map(push).collect()
     }
 
     /// The nodes whose vertices may follow one that is pushed.
-    fn reached(&self, nodes: &[Vec3]) -> Vec<bool> {
-        let mut reached: Vec<bool> = nodes.iter().map(|n| *n != Vec3::ZERO).collect();
-        let mut last: Vec<usize> = (0..nodes.len()).filter(|&n| reached[n]).collect();
+    fn reached(&self, nodes: &[Vec3]) -> Vec<u32> {
+        let mut is_reached: Vec<bool> = nodes.iter().map(|n| *n != Vec3::ZERO).collect();
+        let mut reached: Vec<u32> = (0..nodes.len() as u32).filter(|n| is_reached[*n as usize]).collect();
+        let mut last = 0;
         for _ in 0..REACHED {
-            let around = last.iter().flat_map(|&n| self.near.targets(n));
-            last =
-                around.map(|&n| n as usize).filter(|&n| !std::mem::replace(&mut reached[n], true)).collect();
+            for i in std::mem::replace(&mut last, reached.len())..reached.len() {
+                for &n in self.near.targets(reached[i] as usize) {
+                    if !std::mem::replace(&mut is_reached[n as usize], true) {
+                        reached.push(n);
+                    }
+                }
+            }
         }
         reached
     }
@@ -71,12 +90,12 @@ impl Field<'_> {
     }
 
     /// Mean need of each node's vertices, weighted towards the largest, then passed on to its neighbours.
-    fn gather(&self, need: &[Vec3]) -> Vec<Vec3> {
+    fn gather(&self, need: &[Push]) -> Vec<Vec3> {
         let count = self.near.len();
         let (mut sums, mut shares) = (vec![Vec3::ZERO; count], vec![0.0_f32; count]);
-        for (v, push) in need.iter().enumerate().filter(|(_, p)| **p != Vec3::ZERO) {
+        for (v, push) in need {
             let size = push.length();
-            for (node, weight) in self.vertex_from_node.row(v) {
+            for (node, weight) in self.vertex_from_node.row(*v as usize) {
                 sums[node] += *push * (weight * size);
                 shares[node] += weight * size;
             }
@@ -120,11 +139,13 @@ mod tests {
     fn one_vertex_takes_its_neighbourhood_along_and_leaves_the_rest() {
         let (positions, triangles) = sheet(60);
         let graph = OutfitGraph::new(&positions, &triangles, &vec![0; positions.len()]);
-        let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near };
-        let mut need = vec![Vec3::ZERO; positions.len()];
+        let followers = followers(&graph.vertex_from_node, graph.near.len());
+        let field =
+            Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near, followers: &followers };
         let pushed = 30 * 60 + 30;
-        need[pushed] = Vec3::Y * 0.01;
-        let push = field.spread(&need);
+        let mut push = vec![Vec3::ZERO; positions.len()];
+        let spread = field.spread(&[(pushed as u32, Vec3::Y * 0.01)]);
+        spread.into_iter().for_each(|(v, way)| push[v as usize] = way);
         assert!(push[pushed].y > 0.005);
         assert!(push[pushed + 1].y > 0.005, "neighbours follow");
         assert_eq!(push[0], Vec3::ZERO, "far vertices stay");
@@ -136,7 +157,9 @@ mod tests {
     fn a_constant_field_is_smoothed_to_itself() {
         let (positions, triangles) = sheet(20);
         let graph = OutfitGraph::new(&positions, &triangles, &vec![0; positions.len()]);
-        let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near };
+        let followers = Adjacency::new(0, &[]);
+        let field =
+            Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near, followers: &followers };
         let smooth = field.smoothed(vec![Vec3::X; graph.nodes.positions.len()], positions.len());
         assert!(smooth.iter().all(|v| v.distance(Vec3::X) < 1e-5));
     }

@@ -8,7 +8,7 @@ use toile_geometry::normals::vertex_normals;
 use crate::binding::{node_prior, vertex_weights};
 use crate::graph::OutfitGraph;
 use crate::outfit::Outfit;
-use crate::push_out::Field;
+use crate::push_out::{Field, followers, pushes};
 use crate::reference::{Limb, ReferenceBody};
 
 /// Distance that a mended rest pose keeps from the skin, metres.
@@ -24,16 +24,18 @@ const ROUNDS: usize = 8;
 #[must_use]
 pub fn repaired(outfit: &Outfit, positions: &[Vec3], reference: &ReferenceBody) -> Vec<Vec3> {
     let graph = OutfitGraph::new(positions, &outfit.triangles, &garment_of_vertex(outfit));
-    let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near };
+    let followers = followers(&graph.vertex_from_node, graph.near.len());
+    let field = Field { vertex_from_node: &graph.vertex_from_node, near: &graph.near, followers: &followers };
     let limbs: Vec<Limb> = vertex_weights(&node_prior(&graph, reference), &graph.vertex_from_node)
         .iter()
         .map(|w| reference.limb(w))
         .collect();
     let mut out = positions.to_vec();
     for _ in 0..ROUNDS {
-        let skin = out.iter().zip(&limbs).map(|(p, limb)| skin_need(*p, *limb, reference)).collect();
+        let skin: Vec<Vec3> =
+            out.iter().zip(&limbs).map(|(p, limb)| skin_need(*p, *limb, reference)).collect();
         let layers = layer_needs(outfit, &out);
-        if !apply(&mut out, skin, &field) & !apply(&mut out, layers, &field) {
+        if !apply(&mut out, &skin, &field) & !apply(&mut out, &layers, &field) {
             break;
         }
     }
@@ -56,14 +58,12 @@ pub fn garment_of_vertex(outfit: &Outfit) -> Vec<u32> {
     out
 }
 
-fn apply(positions: &mut [Vec3], need: Vec<Vec3>, field: &Field<'_>) -> bool {
-    if need.iter().all(|n| *n == Vec3::ZERO) {
-        return false;
+fn apply(positions: &mut [Vec3], need: &[Vec3], field: &Field<'_>) -> bool {
+    let need = pushes(need);
+    for (v, push) in field.spread(&need) {
+        positions[v as usize] += push;
     }
-    for (p, push) in positions.iter_mut().zip(field.spread(&need)) {
-        *p += push;
-    }
-    true
+    !need.is_empty()
 }
 
 fn skin_need(point: Vec3, limb: Limb, reference: &ReferenceBody) -> Vec3 {

@@ -7,16 +7,13 @@ use crate::contact::{Collider, Contact};
 use crate::fitted::Fitted;
 use crate::layer_contact::LayerContact;
 use crate::outfit::Outfit;
-use crate::push_out::Field;
+use crate::push_out::pushes;
+use crate::skin_contact::SkinContact;
 use crate::static_pass::StaticPass;
 use crate::straighten::straighten;
-use crate::stretch::{self, Limit};
+use crate::stretch::Limit;
 
-/// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
-const SKIN_GAP: f32 = 0.003;
-/// Distance that cloth keeps from the surface across a fold, metres: both sides may leave no more room.
-const FOLD_GAP: f32 = 0.001;
-/// Rounds of smooth pushes; the last ones move single vertices.
+/// Rounds of smooth pushes, and of pushes of single vertices.
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
 /// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
@@ -25,14 +22,8 @@ const REFRESHED: usize = 4;
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
 const SPIKE: Limit = Limit { stretch: 2.9, rounds: 6 };
-/// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
-const TIGHTEST_CURVE: f32 = 0.03;
 /// A lack smaller than this is left alone, metres.
 pub const TOLERANCE: f32 = 3e-4;
-/// Cloth further than this from the body needs no closer look, metres: centroids ask within 5 cm.
-const FAR: f32 = 0.06;
-/// A vertex that moved less than this is not tested again, metres.
-const STILL: f32 = 1e-5;
 
 /// What the resolve found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,120 +47,27 @@ pub fn resolve(
 ) -> Resolved {
     straighten(statics, fitted, body, positions);
     let lengths = &fitted.lengths;
-    let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
     let mut skin = SkinContact::new(statics, body, positions);
-    let depth_before: Vec<f32> = skin.contacts.iter().map(Contact::depth).collect();
+    let depth_before: Vec<f32> = skin.contacts().iter().map(Contact::depth).collect();
     let inside_before = skin.inside();
     let mut layers = LayerContact::new(statics, &outfit.triangles);
+    let mut need = vec![Vec3::ZERO; positions.len()];
     for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
         if round >= SMOOTH_ROUNDS {
             skin.shorten(positions, lengths, STRETCH);
         }
-        let mut need = skin.needs();
-        add_centroid_needs(&skin, positions, &fitted.coarse, &mut need);
+        skin.needs(&mut need);
+        skin.add_centroid_needs(positions, &fitted.coarse, &mut need);
         layers.add_needs(|v| skin.room(v), positions, round % REFRESHED == 0, &mut need);
-        if need.iter().all(|n| *n == Vec3::ZERO) {
+        let need = pushes(&need);
+        if need.is_empty() {
             break;
         }
-        let push = if round < SMOOTH_ROUNDS { field.spread(&need) } else { need };
-        for (v, (p, d)) in positions.iter_mut().zip(push).enumerate() {
-            if d.length_squared() > STILL * STILL {
-                *p += d;
-                skin.update(v, *p);
-            }
-        }
+        let push = if round < SMOOTH_ROUNDS { statics.field().spread(&need) } else { need };
+        skin.push(positions, &push);
     }
     skin.shorten(positions, lengths, SPIKE);
     Resolved { inside_before, inside_after: skin.inside(), depth_before }
-}
-
-/// The skin at every cloth vertex, kept up to date as vertices move.
-struct SkinContact<'a> {
-    statics: &'a StaticPass,
-    body: &'a Collider<'a>,
-    contacts: Vec<Contact>,
-}
-
-impl<'a> SkinContact<'a> {
-    fn new(statics: &'a StaticPass, body: &'a Collider<'a>, positions: &[Vec3]) -> Self {
-        let mut first: Vec<Option<(Vec3, Contact)>> = vec![None; statics.near.len()];
-        let at = |(v, p): (usize, &Vec3)| {
-            let Some(seen) = statics.node_of(v).and_then(|node| first.get_mut(node)) else {
-                return body.contact(*p, statics.candidates_of(v));
-            };
-            // No vertex is nearer than another one of its node less the way between them.
-            let away = seen.map_or(0.0, |(q, contact)| contact.away - p.distance(q));
-            if away > FAR {
-                return Contact::far(away);
-            }
-            // What is nearest to the last one is near what is nearest to this one.
-            let from = seen.as_ref().and_then(|(_, contact)| contact.hit.as_ref()).map(std::slice::from_ref);
-            let contact = body.contact(*p, from.unwrap_or_else(|| statics.candidates_of(v)));
-            *seen = Some((*p, contact));
-            contact
-        };
-        Self { statics, body, contacts: positions.iter().enumerate().map(at).collect() }
-    }
-
-    fn update(&mut self, v: usize, position: Vec3) {
-        if let Some(contact) = self.contacts.get_mut(v) {
-            *contact = self.body.contact(position, self.statics.candidates_of(v));
-        }
-    }
-
-    /// The skin at a point between the corners of a triangle, looked for from what is nearest to each of them.
-    fn between(&self, corners: [usize; 3], point: Vec3) -> Option<Contact> {
-        let [a, b, c] = corners.map(|v| self.contacts.get(v).and_then(|c| c.hit));
-        let first = a.or(b).or(c)?;
-        Some(self.body.contact(point, &[a.unwrap_or(first), b.unwrap_or(first), c.unwrap_or(first)]))
-    }
-
-    /// Shortens the edges beyond the limit.
-    fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: Limit) {
-        for v in stretch::shorten(positions, &self.statics.edges, lengths, limit) {
-            self.update(v, positions[v]);
-        }
-    }
-
-    fn inside(&self) -> usize {
-        self.contacts.iter().filter(|c| c.depth() > 0.0).count()
-    }
-
-    fn gap(&self, v: usize) -> f32 {
-        self.statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP))
-    }
-
-    /// How much nearer to the skin a vertex may come, metres.
-    fn room(&self, v: usize) -> f32 {
-        self.contacts.get(v).map_or(0.0, |c| (c.distance - self.gap(v)).min(c.across - FOLD_GAP).max(0.0))
-    }
-
-    /// What each vertex lacks to its distance from the skin, on both sides of a fold.
-    fn needs(&self) -> Vec<Vec3> {
-        let need = |(v, c): (usize, &Contact)| c.way_out(self.gap(v), FOLD_GAP, TOLERANCE);
-        self.contacts.iter().enumerate().map(need).collect()
-    }
-}
-
-/// Adds what coarse triangles near the skin lack at their centroids, to their corners.
-fn add_centroid_needs(skin: &SkinContact<'_>, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
-    for triangle in coarse {
-        let corner = triangle.map(|i| i as usize);
-        let [a, b, c] = corner.map(|v| positions[v]);
-        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
-        if corner.iter().all(|&v| skin.contacts[v].distance > sinks) {
-            continue;
-        }
-        let centroid = (a + b + c) / 3.0;
-        let Some(contact) = skin.between(corner, centroid) else { continue };
-        let way = contact.way_out(0.5 * skin.gap(corner[0]), 0.5 * FOLD_GAP, TOLERANCE);
-        for v in corner {
-            if need[v].length_squared() < way.length_squared() {
-                need[v] = way;
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -178,6 +76,7 @@ mod tests {
     use crate::binding::CANDIDATES;
     use crate::graph::OutfitGraph;
     use crate::layers::layer_contacts;
+    use crate::push_out::followers;
     use crate::settle::Hanging;
     use crate::straighten::NodeEdges;
     use crate::test_meshes::{sheet, sheets};
@@ -207,6 +106,7 @@ mod tests {
             layers: layer_contacts(outfit, &outfit.positions),
             edges: edges(&outfit.triangles),
             ring: Adjacency::new(moved.len(), &outfit.triangles),
+            followers: followers(&graph.vertex_from_node, graph.near.len()),
             vertex_from_node: graph.vertex_from_node,
             near: graph.near,
             ..StaticPass::default()

@@ -7,7 +7,7 @@ use toile_geometry::normals::vertex_normals;
 
 use crate::contact::Collider;
 use crate::outfit::Outfit;
-use crate::push_out::Field;
+use crate::push_out::pushes;
 use crate::reference::{GARMENT_JOINTS, ReferenceBody};
 use crate::static_pass::StaticPass;
 
@@ -36,7 +36,7 @@ pub fn carried(
             apose[v] - blended(&maps, reference.skin[v].iter().copied().enumerate(), reference.vertices[v])
         })
         .collect();
-    let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
+    let field = statics.field();
     let followed: Vec<Vec3> = (0..statics.shape.len())
         .map(|node| statics.shape.row(node).fold(Vec3::ZERO, |sum, (b, w)| sum + missed[b] * w))
         .collect();
@@ -63,7 +63,7 @@ fn push_off(
 ) {
     let normals = vertex_normals(apose, triangles);
     let skin = Collider { vertices: apose, normals: &normals, ring: &reference.ring, facing: &[] };
-    let field = Field { vertex_from_node: &statics.vertex_from_node, near: &statics.near };
+    let field = statics.field();
     for round in 0..ROUNDS {
         let need: Vec<Vec3> = positions
             .iter()
@@ -73,8 +73,9 @@ fn push_off(
                 normal * (statics.clearance[v].clamp(0.001, MARGIN) - distance).max(0.0)
             })
             .collect();
+        let need = pushes(&need);
         let push = if round + 1 < ROUNDS { field.spread(&need) } else { need };
-        positions.iter_mut().zip(push).for_each(|(p, d)| *p += d);
+        push.into_iter().for_each(|(v, way)| positions[v as usize] += way);
     }
 }
 

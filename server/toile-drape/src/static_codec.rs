@@ -15,7 +15,9 @@ use crate::graph::{Links, NEIGHBOURS, SUPPORTS};
 use crate::layers::{LAYER_CANDIDATES, LayerContacts};
 use crate::methods::deepsd::BASIS;
 use crate::outfit::Outfit;
+use crate::push_out::followers;
 use crate::repair::garment_of_vertex;
+use crate::settle::SettleTables;
 use crate::static_pass::{NodeRig, Rig, StaticPass};
 
 struct Column<'a> {
@@ -82,7 +84,7 @@ impl StaticPass {
     }
 
     fn columns(&self) -> Vec<(&'static str, Column<'_>)> {
-        let rig = &self.rig;
+        let (rig, settle) = (&self.rig, &self.settle);
         vec![
             ("rest", floats(bytemuck::cast_slice(&self.rest))),
             ("clearance", floats(&self.clearance)),
@@ -106,10 +108,13 @@ impl StaticPass {
             ("layer_outer", indices(&self.layers.outer)),
             ("layer_inner", indices(&self.layers.inner)),
             ("layer_gap", floats(&self.layers.gap)),
-            ("flutes", floats(&self.flutes)),
-            ("cluster_of", indices(&self.cluster_of)),
-            ("node_from_cluster", indices(&self.node_from_cluster.index)),
-            ("node_from_cluster_weight", floats(&self.node_from_cluster.weight)),
+            ("flutes", floats(&settle.flutes)),
+            ("around", indices(settle.around.as_flattened())),
+            ("pairs", indices(settle.pairs.as_flattened())),
+            ("cluster_of", indices(&settle.cluster_of)),
+            ("cluster_pairs", indices(settle.cluster_pairs.as_flattened())),
+            ("node_from_cluster", indices(&settle.node_from_cluster.index)),
+            ("node_from_cluster_weight", floats(&settle.node_from_cluster.weight)),
             ("edges", indices(self.edges.as_flattened())),
         ]
     }
@@ -122,13 +127,16 @@ impl StaticPass {
         let file = Stored(SafeTensors::deserialize(bytes).map_err(|e| DrapeError::Stored(e.to_string()))?);
         let edges = as_rows::<u32, 2>(file.column("edges", Dtype::U32)?);
         let rest = file.points("rest")?;
+        let (vertex_from_node, near) =
+            (file.links("vertex_from_node", SUPPORTS)?, file.links("near", NEIGHBOURS)?);
         let both = edges.iter().flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();
         let out = Self {
             clearance: file.floats("clearance")?,
             rig: file.rig()?,
             nodes: file.nodes()?,
-            vertex_from_node: file.links("vertex_from_node", SUPPORTS)?,
-            near: file.links("near", NEIGHBOURS)?,
+            followers: followers(&vertex_from_node, near.len()),
+            vertex_from_node,
+            near,
             candidates: file.column("candidates", Dtype::U32)?,
             shape: file.links("shape", SHAPE_SUPPORTS)?,
             layers: LayerContacts {
@@ -136,9 +144,7 @@ impl StaticPass {
                 inner: file.column("layer_inner", Dtype::U32)?,
                 gap: file.floats("layer_gap")?,
             },
-            flutes: file.floats("flutes")?,
-            cluster_of: file.column("cluster_of", Dtype::U32)?,
-            node_from_cluster: file.links("node_from_cluster", SUPPORTS)?,
+            settle: file.settle()?,
             ring: Adjacency::from_pairs(rest.len(), both),
             edges,
             fitted_shapes: FittedShapes::default(),
@@ -148,7 +154,7 @@ impl StaticPass {
     }
 
     fn checked(self) -> Result<Self, DrapeError> {
-        let (n, nodes, rig) = (self.rest.len(), self.near.len(), &self.rig);
+        let (n, nodes, rig, settle) = (self.rest.len(), self.near.len(), &self.rig, &self.settle);
         let sizes = self.clearance.len() == n
             && [rig.joints.len(), rig.weights.len(), rig.prior_joints.len(), rig.prior_weights.len()]
                 == [n; 4]
@@ -157,18 +163,23 @@ impl StaticPass {
             && rig.basis.len() == 3 * BASIS * nodes
             && self.vertex_from_node.len() == n
             && self.shape.len() == nodes
-            && [self.flutes.len(), self.cluster_of.len(), self.node_from_cluster.len()] == [nodes; 3]
+            && [settle.flutes.len(), settle.around.len(), settle.cluster_of.len()] == [nodes; 3]
+            && settle.node_from_cluster.len() == nodes
             && self.candidates.len() == CANDIDATES * nodes
             && self.layers.inner.len() == LAYER_CANDIDATES * self.layers.outer.len()
             && self.layers.gap.len() == self.layers.outer.len();
+        let clusters = settle.cluster_of.iter().max().map_or(0, |c| *c as usize + 1);
         let below = |list: &[u32], limit: usize| list.iter().all(|&i| (i as usize) < limit);
         let inside = below(self.edges.as_flattened(), n)
             && below(&self.layers.outer, n)
             && below(&self.layers.inner, n)
             && below(&self.vertex_from_node.index, nodes)
             && below(&self.near.index, nodes)
-            && below(&self.cluster_of, nodes)
-            && below(&self.node_from_cluster.index, nodes);
+            && below(settle.around.as_flattened(), nodes)
+            && below(settle.pairs.as_flattened(), nodes)
+            && below(&settle.cluster_of, nodes)
+            && below(settle.cluster_pairs.as_flattened(), clusters)
+            && below(&settle.node_from_cluster.index, clusters);
         if sizes && inside {
             Ok(self)
         } else {
@@ -219,6 +230,17 @@ impl Stored<'_> {
             garment: self.column("node_garment", Dtype::U32)?,
             joints: as_rows(self.column("node_joints", Dtype::U8)?),
             weights: as_rows(self.floats("node_weights")?),
+        })
+    }
+
+    fn settle(&self) -> Result<SettleTables, DrapeError> {
+        Ok(SettleTables {
+            flutes: self.floats("flutes")?,
+            around: as_rows(self.column("around", Dtype::U32)?),
+            pairs: as_rows(self.column("pairs", Dtype::U32)?),
+            cluster_of: self.column("cluster_of", Dtype::U32)?,
+            cluster_pairs: as_rows(self.column("cluster_pairs", Dtype::U32)?),
+            node_from_cluster: self.links("node_from_cluster", SUPPORTS)?,
         })
     }
 

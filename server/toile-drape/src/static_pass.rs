@@ -15,15 +15,16 @@ use crate::methods::deepsd;
 use crate::network::Networks;
 use crate::ornaments::Riders;
 use crate::outfit::Outfit;
+use crate::push_out::{Field, followers};
 use crate::reference::{Limb, ReferenceBody};
 use crate::refine::Refined;
 use crate::repair::{garment_of_vertex, outfit_ring, repaired};
-use crate::settle::{self, flutes};
+use crate::settle::SettleTables;
 use crate::shape::carried_to_reference;
 use crate::stretch::interleaved;
 
 /// Version of the stored form; part of the address of every static pass.
-pub const STATIC_FORMAT: u32 = 9;
+pub const STATIC_FORMAT: u32 = 10;
 /// Skin weights of a vertex (glTF allows four).
 pub const INFLUENCES: usize = 4;
 
@@ -72,18 +73,16 @@ pub struct StaticPass {
     pub vertex_from_node: Links,
     /// Touching nodes.
     pub near: Links,
+    /// Vertices of each node.
+    pub followers: Adjacency,
     /// [`CANDIDATES`] body vertices a node.
     pub candidates: Vec<u32>,
     /// Displacement of a node from displacements of the body's.
     pub shape: Links,
     /// Outer garments over inner ones.
     pub layers: LayerContacts,
-    /// Height of a flute at each node ([`flutes`]).
-    pub flutes: Vec<f32>,
-    /// Cluster of nodes that each node falls with ([`crate::settle`]).
-    pub cluster_of: Vec<u32>,
-    /// Nodes from these clusters.
-    pub node_from_cluster: Links,
+    /// Where it folds, and what of it falls together.
+    pub settle: SettleTables,
     /// Edges, each once, in the order of [`interleaved`].
     pub edges: Vec<[u32; 2]>,
     /// Edges as neighbours.
@@ -140,14 +139,11 @@ impl StaticPass {
         let (joints, weights) = largest_influences(&prior);
         let layers = layer_contacts(outfit, &rest);
         let room = room(&graph, &layers, reference);
-        let (cluster_of, node_from_cluster) = settle::clusters(&graph, &edges(&outfit.triangles));
         Ok(Self {
             clearance: rest.iter().map(|p| reference.signed_distance(*p)).collect(),
             candidates,
             shape,
-            flutes: flutes::pattern(&graph.nodes.positions, &graph.near, &graph.vertex_from_node, &room),
-            cluster_of,
-            node_from_cluster,
+            settle: SettleTables::new(&graph, &rest, &outfit.triangles, &room),
             layers,
             edges: interleaved(edges(&outfit.triangles)),
             ring,
@@ -158,6 +154,7 @@ impl StaticPass {
                 joints,
                 weights,
             },
+            followers: followers(&graph.vertex_from_node, graph.near.len()),
             vertex_from_node: graph.vertex_from_node,
             near: graph.near,
             fitted_shapes: FittedShapes::default(),
@@ -176,6 +173,12 @@ impl StaticPass {
     pub fn candidates_of(&self, v: usize) -> &[u32] {
         let node = self.node_of(v).unwrap_or(0);
         self.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[])
+    }
+
+    /// The smooth field that pushes are spread over.
+    #[must_use]
+    pub fn field(&self) -> Field<'_> {
+        Field { vertex_from_node: &self.vertex_from_node, near: &self.near, followers: &self.followers }
     }
 
     /// The node around cloth vertex `v`.
@@ -204,13 +207,12 @@ impl StaticPass {
         let links = |l: &Links| 8 * l.index.len();
         4 * (self.rig.basis.len() + self.rig.descriptors.len() + self.candidates.len())
             + self.nodes.positions.len() * (12 + 4 + 20)
-            + self.rest.len() * (12 + 4 + 2 * 20)
+            + self.rest.len() * (12 + 4 + 4 + 2 * 20)
             + links(&self.vertex_from_node)
             + links(&self.near)
             + links(&self.shape)
             + self.edges.len() * 16
-            + 4 * (self.flutes.len() + self.cluster_of.len())
-            + links(&self.node_from_cluster)
+            + self.settle.byte_size()
             + self.layers.byte_size()
     }
 }

@@ -9,6 +9,7 @@ use crate::binding::CANDIDATES;
 use crate::contact::Collider;
 use crate::fitted::{Fitted, lengths};
 use crate::folds;
+use crate::graph::Links;
 use crate::static_pass::StaticPass;
 use crate::stretch::{draw_to_rest, interleaved};
 
@@ -36,7 +37,7 @@ impl NodeEdges {
     /// Of an outfit with the given `rest` positions, welded order, metres.
     #[must_use]
     pub fn new(statics: &StaticPass, rest: &[Vec3]) -> Self {
-        let vertex = vertex_of_node(statics, rest.len());
+        let vertex = vertex_of_node(&statics.vertex_from_node, statics.near.len());
         let stands = |node: usize| vertex.get(node).copied().flatten().is_some();
         let touching = (0..vertex.len()).filter(|&n| stands(n)).flat_map(|n| {
             let others = statics.near.row(n).map(|(m, _)| m).filter(move |&m| m != n);
@@ -73,6 +74,14 @@ impl NodeEdges {
         at(&self.vertex, values)
     }
 
+    /// Moves the nodes' vertices, `at` their places, as [`Self::carry`] does, metres.
+    pub fn carry_nodes(&self, statics: &StaticPass, moves: &[Vec3], at: &mut [Vec3]) {
+        for (p, v) in at.iter_mut().zip(&self.vertex) {
+            let Some(v) = v.map(|v| v as usize) else { continue };
+            *p += statics.vertex_from_node.blended(v, moves) * self.share.get(v).copied().unwrap_or(0.0);
+        }
+    }
+
     /// Moves the vertices at `positions` with the nodes, metres.
     pub fn carry(&self, statics: &StaticPass, moves: &[Vec3], positions: &mut [Vec3]) {
         for (v, (p, share)) in positions.iter_mut().zip(&self.share).enumerate() {
@@ -81,11 +90,11 @@ impl NodeEdges {
     }
 }
 
-/// The vertex that follows each node most.
-fn vertex_of_node(statics: &StaticPass, vertices: usize) -> Vec<Option<u32>> {
-    let mut best: Vec<(f32, Option<u32>)> = vec![(0.0, None); statics.near.len()];
-    for v in 0..vertices {
-        for (node, weight) in statics.vertex_from_node.row(v) {
+/// The vertex that follows each of `count` nodes most.
+pub(crate) fn vertex_of_node(vertex_from_node: &Links, count: usize) -> Vec<Option<u32>> {
+    let mut best: Vec<(f32, Option<u32>)> = vec![(0.0, None); count];
+    for v in 0..vertex_from_node.len() {
+        for (node, weight) in vertex_from_node.row(v) {
             match best.get_mut(node) {
                 Some(found) if weight > found.0 => *found = (weight, Some(v as u32)),
                 _ => {}

@@ -4,7 +4,7 @@
 //! Projected distance constraints (Müller et al., Position Based Dynamics, 2007, section 3.3; Jakobsen, Advanced Character
 //! Physics, 2001, for the form without a root).
 
-use glam::{Vec3, Vec3A};
+use glam::{Mat4, Vec3, Vec3A, Vec4};
 
 /// Sweeps over the edges near the limit, before others are looked at.
 const SWEEPS: usize = 10;
@@ -46,21 +46,48 @@ pub fn draw_to_rest(
 ) {
     let is_crammed = |v: &u32| crammed.get(*v as usize).is_some_and(|c| *c);
     let most = |edge: &[u32; 2]| if edge.iter().any(is_crammed) { 0.0 } else { MOST_GROWTH };
-    let growths: Vec<f32> = edges.iter().map(most).collect();
+    let each = |(edge, rest): (&[u32; 2], &f32)| (*edge, rest * rest, most(edge));
+    let edges: Vec<([u32; 2], f32, f32)> = edges.iter().zip(lengths).map(each).collect();
     let mut points: Vec<Vec3A> = positions.iter().copied().map(Vec3A::from).collect();
+    let (fours, left) = edges.as_chunks::<4>();
     for _ in 0..sweeps {
-        for (([a, b], rest), most) in edges.iter().zip(lengths).zip(&growths) {
-            let (a, b) = (*a as usize, *b as usize);
-            let (Some(&from), Some(&to)) = (points.get(a), points.get(b)) else { continue };
-            let between = to - from;
-            // Jakobsen's first-order form of 0.5 - 0.5 rest / length, without the root.
-            let square = rest * rest;
-            let share = between * (0.5 - square / (square + between.length_squared())).max(*most);
-            points[a] = from + share;
-            points[b] = to - share;
-        }
+        fours.iter().for_each(|four| draw_four(&mut points, four));
+        left.iter().for_each(|one| draw_one(&mut points, one));
     }
     positions.iter_mut().zip(points).for_each(|(p, q)| *p = q.into());
+}
+
+/// An edge, the square of its length at rest and the least share of the way between its ends that each of these moves.
+type Drawn = ([u32; 2], f32, f32);
+
+/// Jakobsen's first-order form of 0.5 - 0.5 rest / length, without the root.
+fn draw_one(points: &mut [Vec3A], (ends, rest, most): &Drawn) {
+    let [a, b] = ends.map(|v| v as usize);
+    let (Some(&from), Some(&to)) = (points.get(a), points.get(b)) else { return };
+    let between = to - from;
+    let share = between * (0.5 - rest / (rest + between.length_squared())).max(*most);
+    points[a] = from + share;
+    points[b] = to - share;
+}
+
+/// The same for four edges at once, which share no vertex but by chance: then the last one counts.
+fn draw_four(points: &mut [Vec3A], four: &[Drawn; 4]) {
+    let at = |v: u32| points.get(v as usize).copied().unwrap_or_default();
+    let ends = four.map(|(ends, ..)| ends.map(at));
+    let between = ends.map(|[from, to]| to - from);
+    let [p, q, r, s] = between.map(|way| way.extend(0.0));
+    let by_axis = Mat4::from_cols(p, q, r, s).transpose();
+    let [x, y, z] = [by_axis.x_axis, by_axis.y_axis, by_axis.z_axis];
+    let square = x * x + y * y + z * z;
+    let rest = Vec4::from_array(four.map(|edge| edge.1));
+    let shares = (0.5 - rest / (rest + square)).max(Vec4::from_array(four.map(|edge| edge.2)));
+    for (((drawn, [from, to]), way), share) in four.iter().zip(ends).zip(between).zip(shares.to_array()) {
+        let [a, b] = drawn.0.map(|v| v as usize);
+        if a < points.len() && b < points.len() {
+            points[a] = from + way * share;
+            points[b] = to - way * share;
+        }
+    }
 }
 
 /// Shortens edges of the given rest `lengths`, metres, to the limit; tells which vertices moved.

@@ -46,7 +46,7 @@ impl Hanging {
             }
         }
         let moves: Vec<Vec3> = p.into_iter().zip(before).map(|(p, before)| Vec3::from(p) - before).collect();
-        (0..positions.len()).map(|n| statics.node_from_cluster.blended(n, &moves)).collect()
+        (0..positions.len()).map(|n| statics.settle.node_from_cluster.blended(n, &moves)).collect()
     }
 
     /// Body vertices near a cluster.
@@ -123,7 +123,7 @@ mod tests {
     /// A tube 30 cm wide and 50 cm high at rest, and where it falls from where it is `posed`, around a body that is one
     /// vertex; `clearance` of all its vertices at rest, metres.
     fn fallen(clearance: f32, posed: impl Fn(&Vec3) -> Vec3) -> (Vec<Vec3>, Vec<Vec3>) {
-        let (_, statics, fitted) = hung(clearance);
+        let (statics, fitted) = hung(clearance);
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
         let body = Collider { vertices: &skin, normals: &[Vec3::NEG_Y], ring: &ring, facing: &[] };
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(posed).collect();

@@ -6,12 +6,11 @@ use std::collections::BinaryHeap;
 use glam::Vec3;
 use toile_geometry::mesh::Adjacency;
 
-use super::{flutes, linked};
+use super::flutes::Widths;
 use crate::fitted::lengths;
 use crate::graph::components;
 use crate::static_pass::StaticPass;
 use crate::straighten::NodeEdges;
-use crate::stretch::interleaved;
 
 /// Distances to the skin or other cloth at rest between which cloth begins to fall, metres.
 const FREE: (f32, f32) = (0.02, 0.06);
@@ -48,33 +47,25 @@ pub struct Hanging {
     pub(super) members: Vec<Vec<u32>>,
     pub(super) tethers: Vec<Tether>,
     pub(super) edges: Vec<Edge>,
-    /// Pairs of nodes that touch, and their distances at rest, metres.
-    touching: Vec<([u32; 2], f32)>,
+    widths: Widths,
 }
 
 impl Hanging {
     /// Of an outfit with the given `rest` positions, welded order, metres.
     #[must_use]
     pub fn new(statics: &StaticPass, rest: &[Vec3], nodes: &NodeEdges) -> Self {
+        let tables = &statics.settle;
         let members = members(statics, nodes);
         let node_rest = nodes.at(rest);
-        let at = means(&members, &node_rest);
-        let node_pairs = pairs(statics, nodes);
-        let of = |n: &u32| statics.cluster_of.get(*n as usize).copied().unwrap_or(0);
-        let between = node_pairs.iter().map(|[a, b]| [of(a).min(of(b)), of(a).max(of(b))]);
-        let mut pairs: Vec<_> = between.filter(|[a, b]| a != b).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let pairs = interleaved(pairs);
-        let free = free(statics, nodes, &members, &pairs);
-        let lengths_of = lengths(&at, &pairs);
-        let held = held_by(&free, &pairs, &lengths_of);
-        let touching = node_pairs.iter().copied().zip(lengths(&node_rest, &node_pairs)).collect();
+        let free = free(statics, nodes, &members);
+        let pairs = &tables.cluster_pairs;
+        let lengths_of = lengths(&means(&members, &node_rest), pairs);
+        let held = held_by(&free, pairs, &lengths_of);
         Self {
-            edges: edges(&free, &held, &pairs, &lengths_of),
+            edges: edges(&free, &held, pairs, &lengths_of),
             tethers: tethers(&free, &held),
             members,
-            touching,
+            widths: Widths::new(&statics.nodes.positions, &tables.pairs, &lengths(&node_rest, &tables.pairs)),
         }
     }
 
@@ -87,21 +78,16 @@ impl Hanging {
     /// How far flutes rise at each of the nodes at `positions`, metres; below 0 they sink.
     #[must_use]
     pub fn flutes(&self, statics: &StaticPass, positions: &[Vec3]) -> Vec<f32> {
-        let lack = |(ends, length): &([u32; 2], f32)| {
-            let [a, b] = ends.map(|n| positions[n as usize]);
-            (*ends, 1.0 - a.distance(b) / length.max(f32::MIN_POSITIVE))
-        };
-        let lacks = self.touching.iter().map(lack);
-        let heights = flutes::heights(&statics.nodes.positions, &statics.near, lacks);
-        heights.iter().zip(&statics.flutes).map(|(height, pattern)| height * pattern).collect()
+        let heights = self.widths.heights(&statics.near, positions);
+        heights.iter().zip(&statics.settle.flutes).map(|(height, pattern)| height * pattern).collect()
     }
 }
 
 /// The nodes of each cluster that have a vertex.
 fn members(statics: &StaticPass, nodes: &NodeEdges) -> Vec<Vec<u32>> {
-    let count = statics.cluster_of.iter().max().map_or(0, |c| *c as usize + 1);
+    let count = statics.settle.cluster_of.iter().max().map_or(0, |c| *c as usize + 1);
     let mut members = vec![vec![]; count];
-    for (n, (cluster, vertex)) in statics.cluster_of.iter().zip(nodes.vertices()).enumerate() {
+    for (n, (cluster, vertex)) in statics.settle.cluster_of.iter().zip(nodes.vertices()).enumerate() {
         if vertex.is_some() {
             members[*cluster as usize].push(n as u32);
         }
@@ -117,24 +103,13 @@ pub(super) fn means(members: &[Vec<u32>], values: &[Vec3]) -> Vec<Vec3> {
     members.iter().map(mean).collect()
 }
 
-/// Pairs of nodes with a vertex that touch or that an edge of the mesh joins.
-fn pairs(statics: &StaticPass, nodes: &NodeEdges) -> Vec<[u32; 2]> {
-    let stands = |n: &u32| nodes.vertices().get(*n as usize).is_some_and(Option::is_some);
-    let linked = linked(&statics.near, &statics.vertex_from_node, &statics.edges);
-    let both = linked.filter(|ends| ends.iter().all(stands));
-    let mut pairs: Vec<[u32; 2]> = both.map(|[a, b]| [a.min(b), a.max(b)]).collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
-}
-
 /// How free each cluster is to fall: 0 near the skin and other cloth, in the topmost band of its piece and without members.
-fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>], pairs: &[[u32; 2]]) -> Vec<f32> {
+fn free(statics: &StaticPass, nodes: &NodeEdges, members: &[Vec<u32>]) -> Vec<f32> {
     let height = |c: usize| {
         let heights = members[c].iter().map(|n| statics.nodes.positions[*n as usize].y);
         heights.sum::<f32>() / members[c].len().max(1) as f32
     };
-    let piece = pieces(members.len(), pairs);
+    let piece = pieces(members.len(), &statics.settle.cluster_pairs);
     let mut top = vec![f32::MIN; members.len()];
     for (c, piece) in piece.iter().enumerate().filter(|(c, _)| !members[*c].is_empty()) {
         let top = &mut top[*piece as usize];

@@ -1,0 +1,139 @@
+//! What draped cloth lacks to its distance from the skin.
+
+use glam::Vec3;
+
+use crate::contact::{Collider, Contact};
+use crate::push_out::Push;
+use crate::resolve::TOLERANCE;
+use crate::static_pass::StaticPass;
+use crate::stretch::{self, Limit};
+
+/// Distance that draped cloth keeps from the skin, metres, where its rest pose does too.
+const SKIN_GAP: f32 = 0.003;
+/// Distance that cloth keeps from the surface across a fold, metres: both sides may leave no more room.
+const FOLD_GAP: f32 = 0.001;
+/// Radius of the body's tightest curve that cloth spans, metres: decides how far a flat triangle can sink in.
+const TIGHTEST_CURVE: f32 = 0.03;
+/// Cloth further than this from the body needs no closer look, metres: centroids of triangles of 8 cm ask.
+const FAR: f32 = 0.03;
+/// Distance from the skin within which cloth may lack some, metres: more than any gap.
+const WATCHED: f32 = 0.004;
+/// A vertex that moved less than this is not tested again, metres.
+const STILL: f32 = 1e-5;
+
+/// The skin at every cloth vertex, kept up to date as vertices move.
+pub struct SkinContact<'a> {
+    statics: &'a StaticPass,
+    body: &'a Collider<'a>,
+    contacts: Vec<Contact>,
+    /// Vertices near the skin; some are named twice.
+    watched: Vec<u32>,
+}
+
+impl<'a> SkinContact<'a> {
+    /// At world `positions` of the cloth, welded order.
+    pub fn new(statics: &'a StaticPass, body: &'a Collider<'a>, positions: &[Vec3]) -> Self {
+        let mut first: Vec<Option<(Vec3, Contact)>> = vec![None; statics.near.len()];
+        let at = |(v, p): (usize, &Vec3)| {
+            let Some(seen) = statics.node_of(v).and_then(|node| first.get_mut(node)) else {
+                return body.contact(*p, statics.candidates_of(v));
+            };
+            // No vertex is nearer than another one of its node less the way between them.
+            let away = seen.map_or(0.0, |(q, contact)| contact.away - p.distance(q));
+            if away > FAR {
+                return Contact::far(away);
+            }
+            // What is nearest to the last one is near what is nearest to this one.
+            let from = seen.as_ref().and_then(|(_, contact)| contact.hit.as_ref()).map(std::slice::from_ref);
+            let contact = body.contact(*p, from.unwrap_or_else(|| statics.candidates_of(v)));
+            *seen = Some((*p, contact));
+            contact
+        };
+        let contacts: Vec<Contact> = positions.iter().enumerate().map(at).collect();
+        let near = |v: &u32| contacts[*v as usize].is_nearer(WATCHED);
+        let watched = (0..contacts.len() as u32).filter(near).collect();
+        Self { statics, body, contacts, watched }
+    }
+
+    /// The skin at every vertex.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Moves vertices at `positions`.
+    pub fn push(&mut self, positions: &mut [Vec3], push: &[Push]) {
+        for &(v, way) in push.iter().filter(|p| p.1.length_squared() > STILL * STILL) {
+            positions[v as usize] += way;
+            self.update(v as usize, positions[v as usize]);
+        }
+    }
+
+    fn update(&mut self, v: usize, position: Vec3) {
+        if let Some(contact) = self.contacts.get_mut(v) {
+            let was_watched = contact.is_nearer(WATCHED);
+            // It moved by little: what was nearest is near what is.
+            let from = contact.hit.as_ref().map(std::slice::from_ref);
+            *contact = self.body.contact(position, from.unwrap_or_else(|| self.statics.candidates_of(v)));
+            if contact.is_nearer(WATCHED) && !was_watched {
+                self.watched.push(v as u32);
+            }
+        }
+    }
+
+    /// The skin at a point between the corners of a triangle, looked for from what is nearest to each of them.
+    fn between(&self, corners: [usize; 3], point: Vec3) -> Option<Contact> {
+        let [a, b, c] = corners.map(|v| self.contacts.get(v).and_then(|c| c.hit));
+        let first = a.or(b).or(c)?;
+        Some(self.body.contact(point, &[a.unwrap_or(first), b.unwrap_or(first), c.unwrap_or(first)]))
+    }
+
+    /// Shortens the edges beyond the limit.
+    pub fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: Limit) {
+        for v in stretch::shorten(positions, &self.statics.edges, lengths, limit) {
+            self.update(v, positions[v]);
+        }
+    }
+
+    /// How many vertices are inside the body.
+    pub fn inside(&self) -> usize {
+        self.contacts.iter().filter(|c| c.depth() > 0.0).count()
+    }
+
+    fn gap(&self, v: usize) -> f32 {
+        self.statics.clearance.get(v).map_or(SKIN_GAP, |c| c.clamp(0.001, SKIN_GAP))
+    }
+
+    /// How much nearer to the skin a vertex may come, metres.
+    pub fn room(&self, v: usize) -> f32 {
+        self.contacts.get(v).map_or(0.0, |c| (c.distance - self.gap(v)).min(c.across - FOLD_GAP).max(0.0))
+    }
+
+    /// What each vertex lacks to its distance from the skin, on both sides of a fold.
+    pub fn needs(&self, need: &mut [Vec3]) {
+        need.fill(Vec3::ZERO);
+        for v in self.watched.iter().map(|v| *v as usize) {
+            need[v] = self.contacts[v].way_out(self.gap(v), FOLD_GAP, TOLERANCE);
+        }
+    }
+
+    /// Adds what coarse triangles near the skin lack at their centroids, to their corners.
+    pub fn add_centroid_needs(&self, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
+        for triangle in coarse {
+            let corner = triangle.map(|i| i as usize);
+            let [a, b, c] = corner.map(|v| positions[v]);
+            let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+            let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
+            if corner.iter().all(|&v| self.contacts[v].distance > sinks) {
+                continue;
+            }
+            let centroid = (a + b + c) / 3.0;
+            let Some(contact) = self.between(corner, centroid) else { continue };
+            let way = contact.way_out(0.5 * self.gap(corner[0]), 0.5 * FOLD_GAP, TOLERANCE);
+            for v in corner {
+                if need[v].length_squared() < way.length_squared() {
+                    need[v] = way;
+                }
+            }
+        }
+    }
+}
