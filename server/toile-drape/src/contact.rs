@@ -5,6 +5,7 @@ use toile_geometry::mesh::Adjacency;
 use toile_geometry::nearest::descend;
 
 use crate::folds;
+use crate::skin_cells::SkinCells;
 
 /// A surface that cloth stays outside of.
 #[derive(Clone, Copy)]
@@ -17,10 +18,18 @@ pub struct Collider<'a> {
     pub ring: &'a Adjacency,
     /// For every vertex the one that faces it across a fold; empty where the surface has none.
     pub facing: &'a [u32],
+    /// Which vertex is near a place; none where the surface is all one limb.
+    pub cells: Option<&'a SkinCells>,
 }
 
 /// Square of the sine of a fold's angle below which its mouth is not looked for.
 const NARROWEST: f32 = 0.05;
+/// Vertices of one limb are within this distance of each other where cells know one of them, metres.
+const SAME_LIMB: f32 = 0.05;
+/// Cloth this near to its own limb is in no other, metres.
+const CLOSE: f32 = 0.008;
+/// Deeper in another limb cloth is left alone, metres: the limb has passed through it.
+const PASSED: f32 = 0.02;
 /// Longest way out of a fold taken at once, metres.
 const LONGEST_WAY: f32 = 0.02;
 
@@ -114,6 +123,31 @@ impl Collider<'_> {
         Contact { hit: Some(hit), away, distance, normal, across, across_normal }
     }
 
+    /// Whether a point may lie in a limb that its contact does not know of.
+    #[must_use]
+    pub fn may_be_in_another(&self, point: Vec3, known: &Contact) -> bool {
+        if known.away < CLOSE {
+            return false;
+        }
+        let at = |v: u32| Some((*self.vertices.get(v as usize)?, *self.normals.get(v as usize)?));
+        let Some(found) = self.cells.and_then(|cells| cells.at(point)).and_then(at) else { return false };
+        let same = |hit: (Vec3, Vec3)| {
+            hit.0.distance_squared(found.0) < SAME_LIMB * SAME_LIMB && hit.1.dot(found.1) > 0.0
+        };
+        !known.hit.and_then(at).is_some_and(same)
+    }
+
+    /// The way to `gap` in front of a limb that a point lies in and that its contact does not know of, metres; none where
+    /// this would lead into the limb that it knows.
+    #[must_use]
+    pub fn way_out_of_another(&self, point: Vec3, known: &Contact, gap: f32) -> Option<Vec3> {
+        let vertex = self.cells?.at(point)?;
+        let (away, distance, normal) = self.plane(point, descend(point, self.vertices, &[vertex], self.ring));
+        let way = normal * (gap - distance);
+        let is_inside = away < known.away && distance < 0.0 && distance > -PASSED;
+        (is_inside && known.distance + way.dot(known.normal) > 0.0).then_some(way)
+    }
+
     /// Distance of a point to a vertex, its signed distance along the vertex's normal, and the normal.
     fn plane(&self, point: Vec3, vertex: u32) -> (f32, f32, Vec3) {
         match (self.vertices.get(vertex as usize), self.normals.get(vertex as usize)) {
@@ -133,7 +167,8 @@ mod tests {
         let (vertices, triangles) = sheet(10);
         let ring = Adjacency::new(vertices.len(), &triangles);
         let normals = vec![Vec3::Y; vertices.len()];
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
+        let surface =
+            Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None };
         let below = Vec3::new(0.052, -0.004, 0.047);
         let (distance, normal) = surface.clearance(below, &[0]);
         assert!((distance + 0.004).abs() < 1e-6);
@@ -168,6 +203,31 @@ mod tests {
     }
 
     #[test]
+    fn cloth_in_a_limb_that_it_does_not_know_finds_its_way_out() {
+        let (floor, triangles) = sheet(10);
+        let count = floor.len() as u32;
+        let ceiling = floor.iter().map(|p| *p + Vec3::Y * 0.03);
+        let vertices: Vec<Vec3> = floor.iter().copied().chain(ceiling).collect();
+        let normals: Vec<Vec3> =
+            (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        let cells = SkinCells::new(&vertices, &normals);
+        let cells = Some(&cells);
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells };
+        let way = |height: f32| {
+            let point = floor[44] + Vec3::Y * height;
+            let known = surface.contact(point, &[44]);
+            let way = surface.way_out_of_another(point, &known, 0.001);
+            surface.may_be_in_another(point, &known).then_some(way).flatten()
+        };
+        let out = way(0.035).expect("a way out");
+        assert!(out.distance(Vec3::NEG_Y * 0.006) < 1e-6, "{out}");
+        assert_eq!(way(0.025), None, "in front of both");
+        assert_eq!(way(-0.002), None, "that is for its own limb");
+        assert_eq!(way(0.06), None, "it has passed through");
+    }
+
+    #[test]
     fn in_a_fold_both_surfaces_are_asked() {
         let (floor, triangles) = sheet(10);
         let count = floor.len() as u32;
@@ -177,7 +237,8 @@ mod tests {
             (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
         let ring = Adjacency::new(vertices.len(), &triangles);
         let facing: Vec<u32> = (0..2 * count).map(|v| (v + count) % (2 * count)).collect();
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &facing };
+        let surface =
+            Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &facing, cells: None };
         let contact = surface.contact(floor[44] - Vec3::Y * 0.0005, &[44]);
         assert!((contact.distance + 0.0005).abs() < 1e-6);
         assert!((contact.across + 0.0015).abs() < 1e-6, "{contact:?}");

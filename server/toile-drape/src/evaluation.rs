@@ -120,6 +120,7 @@ mod tests {
 
     use crate::outfit::Outfit;
     use crate::posed_body::PosedBody;
+    use crate::skin_cells::SkinCells;
 
     #[test]
     fn a_triangle_turned_over_is_counted_and_a_bent_one_is_not() {
@@ -138,6 +139,7 @@ mod tests {
             vertices: vec![Vec3::ZERO, Vec3::X * 0.1, Vec3::Z * 0.1],
             normals: vec![Vec3::Y; 3],
             facing: vec![],
+            cells: SkinCells::default(),
             lift: Vec3::ZERO,
         };
         let frame = Frame {

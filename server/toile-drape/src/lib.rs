@@ -32,6 +32,7 @@ pub mod repair;
 pub mod resolve;
 mod settle;
 pub mod shape;
+pub mod skin_cells;
 mod skin_contact;
 pub mod skinning;
 pub mod static_codec;

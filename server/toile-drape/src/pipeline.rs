@@ -226,7 +226,13 @@ fn drape_frame(
     let mut positions =
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, transforms));
     let ring = &scene.studio.reference.ring;
-    let skin = Collider { vertices: &posed.vertices, normals: &posed.normals, ring, facing: &posed.facing };
+    let skin = Collider {
+        vertices: &posed.vertices,
+        normals: &posed.normals,
+        ring,
+        facing: &posed.facing,
+        cells: Some(&posed.cells),
+    };
     if scene.request.resolve && scene.request.method.settles() {
         timing.time("settle", || settle(statics, scene.fitted, &skin, &mut positions));
     }

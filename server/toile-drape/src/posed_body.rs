@@ -6,6 +6,7 @@ use toile_geometry::normals::vertex_normals;
 
 use crate::folds;
 use crate::reference::Part;
+use crate::skin_cells::SkinCells;
 
 /// A posed body.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub struct PosedBody {
     pub normals: Vec<Vec3>,
     /// For every vertex the one that faces it across a fold, or [`folds::NONE`].
     pub facing: Vec<u32>,
+    /// Which vertex is near a place.
+    pub cells: SkinCells,
     /// What standing on the floor moved the body by, metres.
     pub lift: Vec3,
 }
@@ -30,6 +33,7 @@ impl PosedBody {
         vertices.iter_mut().for_each(|p| *p += lift);
         let normals = vertex_normals(&vertices, body.triangles());
         let facing = folds::facing(&vertices, &normals, parts);
-        Self { vertices, normals, facing, lift }
+        let cells = SkinCells::new(&vertices, &normals);
+        Self { vertices, normals, facing, cells, lift }
     }
 }

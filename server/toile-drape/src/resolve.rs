@@ -16,6 +16,8 @@ use crate::stretch::Limit;
 /// Rounds of smooth pushes, and of pushes of single vertices.
 const SMOOTH_ROUNDS: usize = 7;
 const EXACT_ROUNDS: usize = 5;
+/// Rounds of such pushes after the last spikes are shortened, which may bring cloth back in.
+const LAST_ROUNDS: usize = 3;
 /// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
 const REFRESHED: usize = 4;
 /// How long edges may be before single vertices move.
@@ -67,7 +69,26 @@ pub fn resolve(
         skin.push(positions, &push);
     }
     skin.shorten(positions, lengths, SPIKE);
+    leave_body(&mut skin, fitted, positions, &mut need);
     Resolved { inside_before, inside_after: skin.inside(), depth_before }
+}
+
+/// Moves what is still inside out of the body, out of other limbs too, without new spikes.
+fn leave_body(skin: &mut SkinContact<'_>, fitted: &Fitted, positions: &mut [Vec3], need: &mut [Vec3]) {
+    let strayed = skin.strayed(positions);
+    for _ in 0..LAST_ROUNDS {
+        skin.needs(need);
+        skin.add_centroid_needs(positions, &fitted.coarse, need);
+        skin.add_needs_of_strayed(&strayed, positions, need);
+        let need = pushes(need);
+        if need.is_empty() {
+            break;
+        }
+        skin.push(positions, &need);
+        if skin.tears(&need, positions, &fitted.rest, SPIKE) {
+            skin.shorten(positions, &fitted.lengths, SPIKE);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -119,7 +140,7 @@ mod tests {
             hanging: Hanging::default(),
             coarse: vec![],
         };
-        let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[] };
+        let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None };
         resolve(outfit, &statics, &fitted, &body, &mut moved);
         moved
     }

@@ -116,6 +116,30 @@ impl<'a> SkinContact<'a> {
         }
     }
 
+    /// Vertices that may lie in a limb other than their own.
+    pub fn strayed(&self, positions: &[Vec3]) -> Vec<u32> {
+        let strays =
+            |v: &u32| self.body.may_be_in_another(positions[*v as usize], &self.contacts[*v as usize]);
+        (0..positions.len() as u32).filter(strays).collect()
+    }
+
+    /// Adds what they lack to lie outside of it.
+    pub fn add_needs_of_strayed(&self, strayed: &[u32], positions: &[Vec3], need: &mut [Vec3]) {
+        for v in strayed.iter().map(|v| *v as usize) {
+            if let Some(way) = self.body.way_out_of_another(positions[v], &self.contacts[v], FOLD_GAP) {
+                need[v] += way;
+            }
+        }
+    }
+
+    /// Whether an edge of a pushed vertex is beyond the limit.
+    pub fn tears(&self, pushed: &[Push], positions: &[Vec3], rest: &[Vec3], limit: Limit) -> bool {
+        let ends =
+            pushed.iter().flat_map(|(v, _)| self.statics.ring.of(*v as usize).iter().map(|w| (*v, *w)));
+        let between = |p: &[Vec3], (v, w): (u32, u32)| p[v as usize].distance(p[w as usize]);
+        ends.into_iter().any(|ends| between(positions, ends) > limit.stretch * between(rest, ends))
+    }
+
     /// Adds what coarse triangles near the skin lack at their centroids, to their corners.
     pub fn add_centroid_needs(&self, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
         for triangle in coarse {

@@ -159,7 +159,7 @@ mod tests {
             now.iter().zip(&fitted.lengths).map(|(n, r)| (n / r - 1.0).abs()).sum::<f32>() / now.len() as f32
         };
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[other] };
+        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[other], cells: None };
         let before = mean(&positions);
         straighten(&statics, &fitted, &body, &mut positions);
         (before, mean(&positions))
@@ -178,7 +178,7 @@ mod tests {
         let (statics, fitted) = cloth();
         let mut positions = fitted.rest.clone();
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[] };
+        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[], cells: None };
         straighten(&statics, &fitted, &body, &mut positions);
         assert!(positions.iter().zip(&fitted.rest).all(|(p, q)| p.distance(*q) < 1e-6));
     }

@@ -125,7 +125,8 @@ mod tests {
     fn fallen(clearance: f32, posed: impl Fn(&Vec3) -> Vec3) -> (Vec<Vec3>, Vec<Vec3>) {
         let (statics, fitted) = hung(clearance);
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
-        let body = Collider { vertices: &skin, normals: &[Vec3::NEG_Y], ring: &ring, facing: &[] };
+        let body =
+            Collider { vertices: &skin, normals: &[Vec3::NEG_Y], ring: &ring, facing: &[], cells: None };
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(posed).collect();
         let moves = fitted.hanging.fall(&statics, &body, &fitted.node_edges.at(&positions));
         fitted.node_edges.carry(&statics, &moves, &mut positions);

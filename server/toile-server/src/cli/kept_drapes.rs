@@ -74,12 +74,14 @@ mod tests {
     use safetensors::SafeTensors;
     use toile_drape::outfit::Garment;
     use toile_drape::posed_body::PosedBody;
+    use toile_drape::skin_cells::SkinCells;
 
     fn frame(height: f32) -> Frame {
         let body = PosedBody {
             vertices: vec![Vec3::X; 2],
             normals: vec![Vec3::Y; 2],
             facing: vec![],
+            cells: SkinCells::default(),
             lift: Vec3::ZERO,
         };
         Frame {
