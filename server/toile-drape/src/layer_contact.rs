@@ -10,6 +10,9 @@ use crate::static_pass::StaticPass;
 /// Distance that layers keep, metres, where their rest poses do too: never less, never more.
 const GAP: (f32, f32) = (0.0005, 0.002);
 
+/// A vertex that moved less than this since the round before is where it was, metres.
+const STILL: f32 = 1e-5;
+
 /// What lies under each outer garment, kept up to date from round to round of the resolve.
 pub struct LayerContact<'a> {
     statics: &'a StaticPass,
@@ -17,12 +20,14 @@ pub struct LayerContact<'a> {
     /// Vertex of the other garment nearest to each pair's own.
     hits: Vec<u32>,
     normals: Vec<Vec3>,
+    /// Where the cloth was in the round before, metres.
+    last: Vec<Vec3>,
 }
 
 impl<'a> LayerContact<'a> {
     /// Of an outfit with these triangles.
     pub fn new(statics: &'a StaticPass, triangles: &'a [[u32; 3]]) -> Self {
-        Self { statics, triangles, hits: vec![0; statics.layers.len()], normals: Vec::new() }
+        Self { statics, triangles, hits: vec![0; statics.layers.len()], normals: vec![], last: vec![] }
     }
 
     /// Adds what outer vertices lack to their distance from the inner garment under them, and hems of inner garments
@@ -43,8 +48,15 @@ impl<'a> LayerContact<'a> {
             self.normals = vertex_normals(&moved, self.triangles);
         }
         let ring = &self.statics.ring;
+        // What lacked nothing and has not moved lacks nothing.
+        let stays = |(now, before): (&Vec3, &Vec3)| !anew && now.distance_squared(*before) < STILL * STILL;
+        let still: Vec<bool> = moved.iter().zip(&self.last).map(stays).collect();
+        let is_still = |v: usize| still.get(v).is_some_and(|s| *s);
         for ((v, candidates, gap), kept) in self.statics.layers.iter().zip(&mut self.hits) {
             let Some(point) = moved.get(v).copied() else { continue };
+            if is_still(v) && is_still(*kept as usize) {
+                continue;
+            }
             *kept = descend(point, &moved, if anew { candidates } else { std::slice::from_ref(kept) }, ring);
             let hit = *kept as usize;
             let (Some(other), Some(normal)) = (moved.get(hit), self.normals.get(hit)) else { continue };
@@ -60,5 +72,6 @@ impl<'a> LayerContact<'a> {
                 need[v] += *normal * lack;
             }
         }
+        self.last = moved;
     }
 }
