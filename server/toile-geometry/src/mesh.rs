@@ -46,7 +46,8 @@ impl Adjacency {
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        Self { starts, neighbours: pairs.into_iter().map(|(_, to)| to).collect() }
+        // Collecting from the pairs themselves would keep their memory.
+        Self { starts, neighbours: pairs.iter().map(|(_, to)| *to).collect() }
     }
 
     /// The neighbours of vertex `v`; empty when there is no such vertex.

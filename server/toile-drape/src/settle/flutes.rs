@@ -115,11 +115,11 @@ fn noise(p: Vec3) -> f32 {
     hash as f32 / u32::MAX as f32 * 2.0 - 1.0
 }
 
-/// Pairs of nodes whose distances tell what cloth lacks in width.
+/// What the distances between pairs of nodes tell about the width that cloth lacks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Widths {
-    /// The ends of each pair, and how level it lies at rest: 1 along the ground, 0 upright.
-    pairs: Vec<([u32; 2], f32)>,
+    /// How level each pair lies at rest: 1 along the ground, 0 upright.
+    level: Vec<f32>,
     /// One over the pairs' lengths at rest, metres.
     per_length: Vec<f32>,
     /// One over what all pairs of each node count together.
@@ -134,22 +134,22 @@ impl Widths {
             let [a, b] = ends.map(|n| nodes[n as usize]);
             (b - a).with_y(0.0).length_squared() / (b - a).length_squared().max(f32::MIN_POSITIVE)
         };
-        let pairs: Vec<_> = pairs.iter().map(|ends| (*ends, level(ends))).collect();
+        let level: Vec<f32> = pairs.iter().map(level).collect();
         let mut counts = vec![f32::MIN_POSITIVE; nodes.len()];
-        for (ends, level) in &pairs {
+        for (ends, level) in pairs.iter().zip(&level) {
             ends.iter().for_each(|n| counts[*n as usize] += level * level);
         }
         let inverse = |value: &f32| 1.0 / value.max(f32::MIN_POSITIVE);
         let per_length = lengths.iter().map(inverse).collect();
-        Self { pairs, per_length, per_count: counts.iter().map(inverse).collect() }
+        Self { level, per_length, per_count: counts.iter().map(inverse).collect() }
     }
 
-    /// How high flutes rise at each of the nodes at `positions`, metres, in cloth whose pairs are shorter than at rest.
+    /// How high flutes rise at each of the nodes at `positions`, metres, in cloth whose `pairs` are shorter than at rest.
     /// A wave of width w and height a makes a line longer by (πa/w)².
     #[must_use]
-    pub fn heights(&self, near: &Links, positions: &[Vec3]) -> Vec<f32> {
+    pub fn heights(&self, near: &Links, pairs: &[[u32; 2]], positions: &[Vec3]) -> Vec<f32> {
         let mut lack = vec![0.0_f32; self.per_count.len()];
-        for ((ends, level), per_length) in self.pairs.iter().zip(&self.per_length) {
+        for ((ends, level), per_length) in pairs.iter().zip(&self.level).zip(&self.per_length) {
             let [a, b] = ends.map(|n| n as usize);
             let lacks = level * (1.0 - positions[a].distance(positions[b]) * per_length);
             lack[a] += lacks;
@@ -220,7 +220,7 @@ mod tests {
         let widths = Widths::new(nodes, &edges, &lengths);
         let squeezed = |share: f32| -> Vec<f32> {
             let at = |p: &Vec3| Vec3::new((1.0 - share) * p.x, p.y, (1.0 - share) * p.z);
-            widths.heights(&graph.near, &nodes.iter().map(at).collect::<Vec<_>>())
+            widths.heights(&graph.near, &edges, &nodes.iter().map(at).collect::<Vec<_>>())
         };
         let expected = WIDTH / PI * 0.2;
         let heights = squeezed(0.04 + BUCKLING);

@@ -78,7 +78,7 @@ impl Hanging {
     /// How far flutes rise at each of the nodes at `positions`, metres; below 0 they sink.
     #[must_use]
     pub fn flutes(&self, statics: &StaticPass, positions: &[Vec3]) -> Vec<f32> {
-        let heights = self.widths.heights(&statics.near, positions);
+        let heights = self.widths.heights(&statics.near, &statics.settle.pairs, positions);
         heights.iter().zip(&statics.settle.flutes).map(|(height, pattern)| height * pattern).collect()
     }
 }

@@ -86,6 +86,7 @@ fn unique(pairs: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
     let mut pairs: Vec<[u32; 2]> = pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect();
     pairs.sort_unstable();
     pairs.dedup();
+    pairs.shrink_to_fit();
     pairs
 }
 
