@@ -5,6 +5,8 @@
 //! levels: nodes (2.5 cm) and patches (10 cm). `rest` space, metres. Training builds the same graph
 //! (`model/garment/graph.py`).
 
+use std::ops::{Add, Mul};
+
 use glam::Vec3;
 use toile_geometry::mesh::Adjacency;
 
@@ -80,19 +82,15 @@ impl Links {
 
     /// The weighted sum of the targets' `values` of one row.
     #[must_use]
-    pub fn blended(&self, i: usize, values: &[Vec3]) -> Vec3 {
+    pub fn blended<T>(&self, i: usize, values: &[T]) -> T
+    where
+        T: Copy + Default + Add<Output = T> + Mul<f32, Output = T>,
+    {
         // Padding has weight 0: cheaper to add than to leave out.
         let weight = self.weight.get(i * self.width..(i + 1) * self.width).unwrap_or(&[]);
         let links = self.targets(i).iter().zip(weight);
-        links.fold(Vec3::ZERO, |sum, (t, w)| sum + values.get(*t as usize).copied().unwrap_or_default() * *w)
-    }
-
-    /// The weighted sum of the targets' `values` of one row.
-    #[must_use]
-    pub fn mean(&self, i: usize, values: &[f32]) -> f32 {
-        let weight = self.weight.get(i * self.width..(i + 1) * self.width).unwrap_or(&[]);
-        let links = self.targets(i).iter().zip(weight);
-        links.map(|(t, w)| values.get(*t as usize).copied().unwrap_or_default() * *w).sum()
+        links
+            .fold(T::default(), |sum, (t, w)| sum + values.get(*t as usize).copied().unwrap_or_default() * *w)
     }
 
     /// Drops all rows but the first `rows`.

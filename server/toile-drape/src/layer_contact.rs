@@ -4,14 +4,11 @@ use glam::Vec3;
 use toile_geometry::nearest::descend;
 use toile_geometry::normals::vertex_normals;
 
-use crate::resolve::TOLERANCE;
+use crate::resolve::{STILL, TOLERANCE};
 use crate::static_pass::StaticPass;
 
 /// Distance that layers keep, metres, where their rest poses do too: never less, never more.
 const GAP: (f32, f32) = (0.0005, 0.002);
-
-/// A vertex that moved less than this since the round before is where it was, metres.
-const STILL: f32 = 1e-5;
 
 /// What lies under each outer garment, kept up to date from round to round of the resolve.
 pub struct LayerContact<'a> {

@@ -26,6 +26,8 @@ const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 const SPIKE: Limit = Limit { stretch: 2.9, rounds: 6 };
 /// A lack smaller than this is left alone, metres.
 pub const TOLERANCE: f32 = 3e-4;
+/// A vertex that moved less than this is where it was and is not tested again, metres.
+pub const STILL: f32 = 1e-5;
 
 /// What the resolve found.
 #[derive(Clone, Debug, Default, PartialEq)]

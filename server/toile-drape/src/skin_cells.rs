@@ -75,5 +75,11 @@ mod tests {
         assert_eq!(cells.at(point + Vec3::Y * 0.1), None);
         assert_eq!(cells.at(Vec3::splat(f32::NAN)), None);
         assert_eq!(SkinCells::new(&[], &[]).at(point), None);
+        let above = vertices.iter().map(|p| *p + Vec3::Y * 0.102);
+        let both: Vec<Vec3> = vertices.iter().copied().chain(above).collect();
+        let normals: Vec<Vec3> = both.iter().map(|p| if p.y > 0.0 { Vec3::Y } else { Vec3::NEG_Y }).collect();
+        let cells = SkinCells::new(&both, &normals);
+        let known = |height: f32| cells.at(point.with_y(height)).map(|v| both[v as usize].y);
+        assert_eq!([known(0.09), known(0.06)], [Some(0.102), None], "under the upper sheet, between both");
     }
 }

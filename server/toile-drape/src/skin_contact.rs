@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::contact::{Collider, Contact};
 use crate::push_out::Push;
-use crate::resolve::TOLERANCE;
+use crate::resolve::{STILL, TOLERANCE};
 use crate::static_pass::StaticPass;
 use crate::stretch::{self, Limit};
 
@@ -18,8 +18,6 @@ const TIGHTEST_CURVE: f32 = 0.03;
 const FAR: f32 = 0.03;
 /// Distance from the skin within which cloth may lack some, metres: more than any gap.
 const WATCHED: f32 = 0.004;
-/// A vertex that moved less than this is not tested again, metres.
-const STILL: f32 = 1e-5;
 
 /// The skin at every cloth vertex, kept up to date as vertices move.
 pub struct SkinContact<'a> {
@@ -134,10 +132,10 @@ impl<'a> SkinContact<'a> {
 
     /// Whether an edge of a pushed vertex is beyond the limit.
     pub fn tears(&self, pushed: &[Push], positions: &[Vec3], rest: &[Vec3], limit: Limit) -> bool {
-        let ends =
+        let mut ends =
             pushed.iter().flat_map(|(v, _)| self.statics.ring.of(*v as usize).iter().map(|w| (*v, *w)));
         let between = |p: &[Vec3], (v, w): (u32, u32)| p[v as usize].distance(p[w as usize]);
-        ends.into_iter().any(|ends| between(positions, ends) > limit.stretch * between(rest, ends))
+        ends.any(|ends| between(positions, ends) > limit.stretch * between(rest, ends))
     }
 
     /// Adds what coarse triangles near the skin lack at their centroids, to their corners.

@@ -47,7 +47,7 @@ pub fn draw_to_rest(
     let is_crammed = |v: &u32| crammed.get(*v as usize).is_some_and(|c| *c);
     let most = |edge: &[u32; 2]| if edge.iter().any(is_crammed) { 0.0 } else { MOST_GROWTH };
     let each = |(edge, rest): (&[u32; 2], &f32)| (*edge, rest * rest, most(edge));
-    let edges: Vec<([u32; 2], f32, f32)> = edges.iter().zip(lengths).map(each).collect();
+    let edges: Vec<Drawn> = edges.iter().zip(lengths).map(each).collect();
     let mut points: Vec<Vec3A> = positions.iter().copied().map(Vec3A::from).collect();
     let (fours, left) = edges.as_chunks::<4>();
     for _ in 0..sweeps {

@@ -157,7 +157,7 @@ impl Widths {
         }
         lack.iter_mut().zip(&self.per_count).for_each(|(sum, per_count)| *sum *= per_count);
         for _ in 0..SMOOTH {
-            lack = lack.iter().enumerate().map(|(i, own)| 0.5 * (own + near.mean(i, &lack))).collect();
+            lack = lack.iter().enumerate().map(|(i, own)| 0.5 * (own + near.blended(i, &lack))).collect();
         }
         lack.iter().map(|l| WIDTH / PI * (l - BUCKLING).clamp(0.0, MOST).sqrt()).collect()
     }
