@@ -14,6 +14,7 @@ import newton
 import numpy as np
 import torch
 import warp as wp
+from newton._src.solvers.vbd import particle_vbd_kernels, solver_vbd
 from newton.solvers import SolverVBD
 from numpy.typing import NDArray
 
@@ -21,8 +22,14 @@ from fabric import Fabric
 from garment.graph import mesh_edges
 from garment.rest_mesh import rest_mesh, topology
 
+from . import hinges
+
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
+
+# On a GPU four threads share the contacts of a vertex or edge; on a CPU they are four walks, one after the other.
+particle_vbd_kernels.NUM_THREADS_PER_COLLISION_PRIMITIVE = solver_vbd.NUM_THREADS_PER_COLLISION_PRIMITIVE = 1
+hinges.use()
 
 
 @dataclass(frozen=True)
@@ -89,12 +96,20 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
         state.particle_f.assign(model.particle_mass.numpy()[:, None] * cloth.pull.astype(np.float32))
     pipeline = newton.CollisionPipeline(model)
     contacts, seen, residual, count = pipeline.contacts(), start, np.inf, 0
+
+    def recorded(before: newton.State, after: newton.State, step: float) -> wp.Graph:
+        """A step without the time that Python takes to ask for each of its thousands of loops."""
+        with wp.ScopedCapture() as capture:
+            pipeline.collide(before, contacts)
+            solver.step(before, after, control, contacts, step)
+        return capture.graph
+
     for stage in s.stages:
         every = max(1, round(s.watch / stage.step))
+        forth, back = recorded(now, then, stage.step), recorded(then, now, stage.step)
         for k in range(1, stage.most + 1):
-            pipeline.collide(now, contacts)
-            solver.step(now, then, control, contacts, stage.step)
-            now, then = then, now
+            wp.capture_launch(forth)
+            now, then, forth, back = then, now, back, forth
             now.particle_qd.assign(stage.keep * now.particle_qd.numpy())
             if k % every == 0:
                 x = now.particle_q.numpy().copy()
