@@ -31,9 +31,14 @@ pub fn repaired(outfit: &Outfit, positions: &[Vec3], reference: &ReferenceBody) 
         .map(|w| reference.limb(w))
         .collect();
     let mut out = positions.to_vec();
+    let (mut skin, mut asked) = (vec![Vec3::ZERO; out.len()], vec![Vec3::NAN; out.len()]);
     for _ in 0..ROUNDS {
-        let skin: Vec<Vec3> =
-            out.iter().zip(&limbs).map(|(p, limb)| skin_need(*p, *limb, reference)).collect();
+        for (((p, limb), need), asked) in out.iter().zip(&limbs).zip(&mut skin).zip(&mut asked) {
+            // Most vertices stay where they were, and what they need is what they needed.
+            if *p != std::mem::replace(asked, *p) {
+                *need = skin_need(*p, *limb, reference);
+            }
+        }
         let layers = layer_needs(outfit, &out);
         if !apply(&mut out, &skin, &field) & !apply(&mut out, &layers, &field) {
             break;

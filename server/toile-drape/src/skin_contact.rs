@@ -26,6 +26,10 @@ pub struct SkinContact<'a> {
     contacts: Vec<Contact>,
     /// Vertices near the skin; some are named twice.
     watched: Vec<u32>,
+    /// Whether each vertex moved since the centroids were last looked at.
+    moved: Vec<bool>,
+    /// What each coarse triangle lacked at its centroid then, metres.
+    centroids: Vec<Vec3>,
 }
 
 impl<'a> SkinContact<'a> {
@@ -50,7 +54,8 @@ impl<'a> SkinContact<'a> {
         let contacts: Vec<Contact> = positions.iter().enumerate().map(at).collect();
         let near = |v: &u32| contacts[*v as usize].is_nearer(WATCHED);
         let watched = (0..contacts.len() as u32).filter(near).collect();
-        Self { statics, body, contacts, watched }
+        let moved = vec![true; contacts.len()];
+        Self { statics, body, contacts, watched, moved, centroids: vec![] }
     }
 
     /// The skin at every vertex.
@@ -67,7 +72,8 @@ impl<'a> SkinContact<'a> {
     }
 
     fn update(&mut self, v: usize, position: Vec3) {
-        if let Some(contact) = self.contacts.get_mut(v) {
+        if let (Some(contact), Some(moved)) = (self.contacts.get_mut(v), self.moved.get_mut(v)) {
+            *moved = true;
             let was_watched = contact.is_nearer(WATCHED);
             // It moved by little: what was nearest is near what is.
             let from = contact.hit.as_ref().map(std::slice::from_ref);
@@ -139,23 +145,34 @@ impl<'a> SkinContact<'a> {
     }
 
     /// Adds what coarse triangles near the skin lack at their centroids, to their corners.
-    pub fn add_centroid_needs(&self, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
-        for triangle in coarse {
-            let corner = triangle.map(|i| i as usize);
-            let [a, b, c] = corner.map(|v| positions[v]);
-            let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-            let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
-            if corner.iter().all(|&v| self.contacts[v].distance > sinks) {
-                continue;
+    pub fn add_centroid_needs(&mut self, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
+        let mut ways = std::mem::take(&mut self.centroids);
+        ways.resize(coarse.len(), Vec3::ZERO);
+        for (triangle, way) in coarse.iter().zip(&mut ways) {
+            let corners = triangle.map(|i| i as usize);
+            if corners.iter().any(|&v| self.moved[v]) {
+                *way = self.lack_at_centroid(positions, corners);
             }
-            let centroid = (a + b + c) / 3.0;
-            let Some(contact) = self.between(corner, centroid) else { continue };
-            let way = contact.way_out(0.5 * self.gap(corner[0]), 0.5 * FOLD_GAP, TOLERANCE);
-            for v in corner {
+            for v in corners {
                 if need[v].length_squared() < way.length_squared() {
-                    need[v] = way;
+                    need[v] = *way;
                 }
             }
         }
+        self.centroids = ways;
+        self.moved.fill(false);
+    }
+
+    /// What a triangle lacks at its centroid to its distance from the skin, metres.
+    fn lack_at_centroid(&self, positions: &[Vec3], corners: [usize; 3]) -> Vec3 {
+        let [a, b, c] = corners.map(|v| positions[v]);
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
+        if corners.iter().all(|&v| self.contacts[v].distance > sinks) {
+            return Vec3::ZERO;
+        }
+        let gap = 0.5 * self.gap(corners[0]);
+        let contact = self.between(corners, (a + b + c) / 3.0);
+        contact.map_or(Vec3::ZERO, |contact| contact.way_out(gap, 0.5 * FOLD_GAP, TOLERANCE))
     }
 }
