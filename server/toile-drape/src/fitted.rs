@@ -15,6 +15,8 @@ use crate::studio::Studio;
 
 /// Triangles with an edge longer than this can sink in between their corners, metres.
 const COARSE_EDGE: f32 = 0.022;
+/// Longer ones can sink in themselves, metres.
+const LONG_EDGE: f32 = 0.035;
 /// Shapes kept for each outfit.
 const KEPT: usize = 4;
 
@@ -29,8 +31,35 @@ pub struct Fitted {
     pub node_edges: NodeEdges,
     /// What of it hangs, and from where.
     pub hanging: Hanging,
-    /// Triangles that are tested for collisions at their centroids too.
-    pub coarse: Vec<[u32; 3]>,
+    /// What is tested for collisions between its vertices too.
+    pub coarse: Coarse,
+}
+
+/// Pieces of cloth that can sink into the body while their vertices are outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coarse {
+    /// Triangles, tested at their centroids.
+    pub triangles: Vec<[u32; 3]>,
+    /// Edges, tested at their middles.
+    pub edges: Vec<[u32; 2]>,
+}
+
+impl Coarse {
+    /// Of cloth at `rest`, metres, with the `lengths` of its edges there.
+    #[must_use]
+    pub fn new(triangles: &[[u32; 3]], rest: &[Vec3], edges: &[[u32; 2]], lengths: &[f32]) -> Self {
+        let at = |i: u32| rest.get(i as usize).copied().unwrap_or_default();
+        let longest = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(at);
+            a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a))
+        };
+        let is_coarse = |t: &&[u32; 3]| longest(t) > COARSE_EDGE * COARSE_EDGE;
+        let edges = edges.iter().zip(lengths).filter(|(_, length)| **length > LONG_EDGE);
+        Self {
+            triangles: triangles.iter().filter(is_coarse).copied().collect(),
+            edges: edges.map(|(edge, _)| *edge).collect(),
+        }
+    }
 }
 
 /// A few fitted rest poses; they are not part of a static pass's value.
@@ -68,24 +97,16 @@ impl StaticPass {
         self.fitted_shapes.0.get(shape.clone(), |_| {
             let rest = carried(self, &studio.reference, &shaped.apose_vertices, studio.body.triangles());
             let node_edges = NodeEdges::new(self, &rest);
+            let lengths = lengths(&rest, &self.edges);
             Fitted {
-                lengths: lengths(&rest, &self.edges),
                 hanging: Hanging::new(self, &rest, &node_edges),
                 node_edges,
-                coarse: coarse_triangles(outfit, &rest),
+                coarse: Coarse::new(&outfit.triangles, &rest, &self.edges, &lengths),
+                lengths,
                 rest,
             }
         })
     }
-}
-
-fn coarse_triangles(outfit: &Outfit, rest: &[Vec3]) -> Vec<[u32; 3]> {
-    let at = |i: u32| rest.get(i as usize).copied().unwrap_or_default();
-    let longest = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(at);
-        a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a))
-    };
-    outfit.triangles.iter().filter(|t| longest(t) > COARSE_EDGE * COARSE_EDGE).copied().collect()
 }
 
 /// Length of each edge, metres.

@@ -61,7 +61,7 @@ pub fn resolve(
             skin.shorten(positions, lengths, STRETCH);
         }
         skin.needs(&mut need);
-        skin.add_centroid_needs(positions, &fitted.coarse, &mut need);
+        skin.add_needs_between(positions, &fitted.coarse, &mut need);
         layers.add_needs(|v| skin.room(v), positions, round % REFRESHED == 0, &mut need);
         let need = pushes(&need);
         if need.is_empty() {
@@ -80,7 +80,7 @@ fn leave_body(skin: &mut SkinContact<'_>, fitted: &Fitted, positions: &mut [Vec3
     let strayed = skin.strayed(positions);
     for _ in 0..LAST_ROUNDS {
         skin.needs(need);
-        skin.add_centroid_needs(positions, &fitted.coarse, need);
+        skin.add_needs_between(positions, &fitted.coarse, need);
         skin.add_needs_of_strayed(&strayed, positions, need);
         let need = pushes(need);
         if need.is_empty() {
@@ -97,6 +97,7 @@ fn leave_body(skin: &mut SkinContact<'_>, fitted: &Fitted, positions: &mut [Vec3
 mod tests {
     use super::*;
     use crate::binding::CANDIDATES;
+    use crate::fitted::{Coarse, lengths};
     use crate::graph::OutfitGraph;
     use crate::layers::layer_contacts;
     use crate::push_out::followers;
@@ -134,13 +135,13 @@ mod tests {
             near: graph.near,
             ..StaticPass::default()
         };
-        let lengths = vec![0.02; statics.edges.len()];
+        let lengths = lengths(&statics.rest, &statics.edges);
         let fitted = Fitted {
             rest: statics.rest.clone(),
+            coarse: Coarse::new(&outfit.triangles, &statics.rest, &statics.edges, &lengths),
             lengths,
             node_edges: NodeEdges::default(),
             hanging: Hanging::default(),
-            coarse: vec![],
         };
         let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None };
         resolve(outfit, &statics, &fitted, &body, &mut moved);
@@ -175,15 +176,24 @@ mod tests {
         assert!((51..59).all(|v| above(v) > 0.0), "{:?}", (50..60).map(above).collect::<Vec<_>>());
     }
 
+    /// Corners of a flat triangle at `at`, x and z, 25 mm high, resolved over a ridge 30 mm high at `x`, metres.
+    fn over_a_ridge(at: [(f32, f32); 3], x: f32) -> Vec<Vec3> {
+        let positions = at.map(|(x, z)| Vec3::new(x, 0.025, z)).to_vec();
+        let outfit = Outfit { positions: positions.clone(), triangles: vec![[0, 1, 2]], ..Outfit::default() };
+        resolved(&outfit, |at| 0.03 - 0.6 * (at - x).abs(), positions)
+    }
+
     #[test]
     fn a_coarse_triangle_clears_a_ridge_between_its_corners() {
-        let corner = |x: f32, z: f32| Vec3::new(x, 0.025, z);
-        let positions = vec![corner(0.0, 0.0), corner(0.0, 0.06), corner(0.06, 0.03)];
-        let triangles = vec![[0, 1, 2]];
-        let outfit = Outfit { positions: positions.clone(), triangles, ..Outfit::default() };
-        let ridge = |x: f32| 0.03 - 0.6 * (x - 0.02).abs();
-        let after = resolved(&outfit, ridge, positions.clone());
-        let height = |p: &[Vec3]| p.iter().sum::<Vec3>().y / 3.0;
-        assert!(height(&positions) < 0.03 && height(&after) > 0.03, "{after:?}");
+        let after = over_a_ridge([(0.0, 0.0), (0.0, 0.06), (0.06, 0.03)], 0.02);
+        let height = after.iter().sum::<Vec3>().y / 3.0;
+        assert!(height > 0.03 && height < 0.035, "{after:?}");
+    }
+
+    #[test]
+    fn a_long_edge_clears_a_ridge_that_its_triangles_middle_does_not_reach() {
+        let after = over_a_ridge([(0.0, 0.0), (0.06, 0.0), (0.0, 0.06)], 0.03);
+        let height = 0.5 * (after[0] + after[1]).y;
+        assert!(height > 0.03 && height < 0.035, "{after:?}");
     }
 }

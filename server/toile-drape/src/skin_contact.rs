@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::contact::{Collider, Contact};
+use crate::fitted::Coarse;
 use crate::push_out::Push;
 use crate::resolve::{STILL, TOLERANCE};
 use crate::static_pass::StaticPass;
@@ -26,10 +27,10 @@ pub struct SkinContact<'a> {
     contacts: Vec<Contact>,
     /// Vertices near the skin; some are named twice.
     watched: Vec<u32>,
-    /// Whether each vertex moved since the centroids were last looked at.
+    /// Whether each vertex moved since the cloth between vertices was last looked at.
     moved: Vec<bool>,
-    /// What each coarse triangle lacked at its centroid then, metres.
-    centroids: Vec<Vec3>,
+    /// What each coarse triangle and edge lacked in its middle then, metres.
+    between: (Vec<Vec3>, Vec<Vec3>),
 }
 
 impl<'a> SkinContact<'a> {
@@ -55,7 +56,7 @@ impl<'a> SkinContact<'a> {
         let near = |v: &u32| contacts[*v as usize].is_nearer(WATCHED);
         let watched = (0..contacts.len() as u32).filter(near).collect();
         let moved = vec![true; contacts.len()];
-        Self { statics, body, contacts, watched, moved, centroids: vec![] }
+        Self { statics, body, contacts, watched, moved, between: Default::default() }
     }
 
     /// The skin at every vertex.
@@ -82,13 +83,6 @@ impl<'a> SkinContact<'a> {
                 self.watched.push(v as u32);
             }
         }
-    }
-
-    /// The skin at a point between the corners of a triangle, looked for from what is nearest to each of them.
-    fn between(&self, corners: [usize; 3], point: Vec3) -> Option<Contact> {
-        let [a, b, c] = corners.map(|v| self.contacts.get(v).and_then(|c| c.hit));
-        let first = a.or(b).or(c)?;
-        Some(self.body.contact(point, &[a.unwrap_or(first), b.unwrap_or(first), c.unwrap_or(first)]))
     }
 
     /// Shortens the edges beyond the limit.
@@ -144,14 +138,28 @@ impl<'a> SkinContact<'a> {
         ends.any(|ends| between(positions, ends) > limit.stretch * between(rest, ends))
     }
 
-    /// Adds what coarse triangles near the skin lack at their centroids, to their corners.
-    pub fn add_centroid_needs(&mut self, positions: &[Vec3], coarse: &[[u32; 3]], need: &mut [Vec3]) {
-        let mut ways = std::mem::take(&mut self.centroids);
-        ways.resize(coarse.len(), Vec3::ZERO);
-        for (triangle, way) in coarse.iter().zip(&mut ways) {
-            let corners = triangle.map(|i| i as usize);
+    /// Adds what cloth between vertices near the skin lacks, to these vertices.
+    pub fn add_needs_between(&mut self, positions: &[Vec3], coarse: &Coarse, need: &mut [Vec3]) {
+        let (mut triangles, mut edges) = std::mem::take(&mut self.between);
+        self.add_needs_of(&coarse.triangles, positions, &mut triangles, need);
+        self.add_needs_of(&coarse.edges, positions, &mut edges, need);
+        self.between = (triangles, edges);
+        self.moved.fill(false);
+    }
+
+    /// The same of some pieces; `ways` is what each of them lacked when it was last looked at.
+    fn add_needs_of<const N: usize>(
+        &self,
+        pieces: &[[u32; N]],
+        positions: &[Vec3],
+        ways: &mut Vec<Vec3>,
+        need: &mut [Vec3],
+    ) {
+        ways.resize(pieces.len(), Vec3::ZERO);
+        for (piece, way) in pieces.iter().zip(ways) {
+            let corners = piece.map(|i| i as usize);
             if corners.iter().any(|&v| self.moved[v]) {
-                *way = self.lack_at_centroid(positions, corners);
+                *way = self.lack_in_the_middle(positions, corners);
             }
             for v in corners {
                 if need[v].length_squared() < way.length_squared() {
@@ -159,20 +167,26 @@ impl<'a> SkinContact<'a> {
                 }
             }
         }
-        self.centroids = ways;
-        self.moved.fill(false);
     }
 
-    /// What a triangle lacks at its centroid to its distance from the skin, metres.
-    fn lack_at_centroid(&self, positions: &[Vec3], corners: [usize; 3]) -> Vec3 {
-        let [a, b, c] = corners.map(|v| positions[v]);
-        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    /// What the middle of some corners lacks to its distance from the skin, metres.
+    fn lack_in_the_middle<const N: usize>(&self, positions: &[Vec3], corners: [usize; N]) -> Vec3 {
+        let at = corners.map(|v| positions[v]);
+        let longest = (0..N).map(|i| at[i].distance_squared(at[(i + 1) % N])).fold(0.0, f32::max);
         let sinks = SKIN_GAP + longest / (8.0 * TIGHTEST_CURVE);
         if corners.iter().all(|&v| self.contacts[v].distance > sinks) {
             return Vec3::ZERO;
         }
+        let middle = at.into_iter().sum::<Vec3>() / N as f32;
         let gap = 0.5 * self.gap(corners[0]);
-        let contact = self.between(corners, (a + b + c) / 3.0);
+        let contact = self.contact_between(corners, middle);
         contact.map_or(Vec3::ZERO, |contact| contact.way_out(gap, 0.5 * FOLD_GAP, TOLERANCE))
+    }
+
+    /// The skin at a point between vertices, looked for from what is nearest to each of them.
+    fn contact_between<const N: usize>(&self, corners: [usize; N], point: Vec3) -> Option<Contact> {
+        let hits = corners.map(|v| self.contacts.get(v).and_then(|c| c.hit));
+        let first = hits.into_iter().flatten().next()?;
+        Some(self.body.contact(point, &hits.map(|hit| hit.unwrap_or(first))))
     }
 }

@@ -128,6 +128,7 @@ fn crammed_nodes(statics: &StaticPass, body: &Collider<'_>) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fitted::Coarse;
     use crate::graph::OutfitGraph;
     use crate::settle::Hanging;
     use crate::test_meshes::sheet;
@@ -146,7 +147,10 @@ mod tests {
         };
         let node_edges = NodeEdges::new(&statics, &rest);
         let lengths = lengths(&rest, &statics.edges);
-        (statics, Fitted { rest, lengths, node_edges, hanging: Hanging::default(), coarse: vec![] })
+        (
+            statics,
+            Fitted { rest, lengths, node_edges, hanging: Hanging::default(), coarse: Coarse::default() },
+        )
     }
 
     /// Mean relative change of the edges of squeezed cloth before and after, near a body whose vertex faces `other`.

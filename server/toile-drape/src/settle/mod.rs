@@ -37,7 +37,7 @@ mod tests {
 
     use super::*;
     use crate::binding::CANDIDATES;
-    use crate::fitted::lengths;
+    use crate::fitted::{Coarse, lengths};
     use crate::graph::OutfitGraph;
     use crate::static_pass::NodeRig;
     use crate::straighten::NodeEdges;
@@ -63,7 +63,7 @@ mod tests {
         let node_edges = NodeEdges::new(&statics, &rest);
         let hanging = Hanging::new(&statics, &rest, &node_edges);
         let lengths = lengths(&rest, &statics.edges);
-        (statics, Fitted { rest, lengths, node_edges, hanging, coarse: vec![] })
+        (statics, Fitted { rest, lengths, node_edges, hanging, coarse: Coarse::default() })
     }
 
     /// How far the vertices of a tube lie from their mean distance to its axis, metres, after it was squeezed to 94 % of
