@@ -54,7 +54,7 @@ LAYERED = 0.05
 class Size:
     """How many of each."""
 
-    outfits: int = 16
+    outfits: int = 16  # one of which hardly ever comes to rest
     bodies: int = 2  # of its own for each outfit
     poses: int = 14  # of its own for each outfit
     vertices: int = 1500  # of an outfit at most, about: a drape takes half a minute

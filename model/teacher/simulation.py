@@ -27,8 +27,9 @@ from . import hinges
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
-# On a GPU four threads share the contacts of a vertex or edge; on a CPU they are four walks, one after the other.
-particle_vbd_kernels.NUM_THREADS_PER_COLLISION_PRIMITIVE = solver_vbd.NUM_THREADS_PER_COLLISION_PRIMITIVE = 1
+if not wp.get_device().is_cuda:
+    # A GPU's four threads for the contacts of a vertex or edge are four walks on a CPU, one after the other.
+    particle_vbd_kernels.NUM_THREADS_PER_COLLISION_PRIMITIVE = solver_vbd.NUM_THREADS_PER_COLLISION_PRIMITIVE = 1
 hinges.use()
 
 
