@@ -10,7 +10,7 @@ use crate::outfit::Outfit;
 use crate::push_out::pushes;
 use crate::skin_contact::SkinContact;
 use crate::static_pass::StaticPass;
-use crate::straighten::straighten;
+use crate::straighten::{FEWEST_SWEEPS, straighten, sweeps};
 use crate::stretch::Limit;
 
 /// Rounds of smooth pushes, and of pushes of single vertices.
@@ -20,6 +20,9 @@ const EXACT_ROUNDS: usize = 5;
 const LAST_ROUNDS: usize = 3;
 /// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
 const REFRESHED: usize = 4;
+/// Meshes of at most this many edges are drawn to their lengths once more when they are out, and moved out once more:
+/// it costs them little, and pushes have stretched their long edges most.
+const AGAIN: usize = 10_000;
 /// How long edges may be before single vertices move.
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };
 /// The same at the end, where a spike is worse than a vertex under the skin.
@@ -49,46 +52,78 @@ pub fn resolve(
     body: &Collider<'_>,
     positions: &mut [Vec3],
 ) -> Resolved {
-    straighten(statics, fitted, body, positions);
-    let lengths = &fitted.lengths;
-    let mut skin = SkinContact::new(statics, body, positions);
-    let depth_before: Vec<f32> = skin.contacts().iter().map(Contact::depth).collect();
-    let inside_before = skin.inside();
-    let mut layers = LayerContact::new(statics, &outfit.triangles);
-    let mut need = vec![Vec3::ZERO; positions.len()];
-    for round in 0..SMOOTH_ROUNDS + EXACT_ROUNDS {
-        if round >= SMOOTH_ROUNDS {
-            skin.shorten(positions, lengths, STRETCH);
-        }
-        skin.needs(&mut need);
-        skin.add_needs_between(positions, &fitted.coarse, &mut need);
-        layers.add_needs(|v| skin.room(v), positions, round % REFRESHED == 0, &mut need);
-        let need = pushes(&need);
-        if need.is_empty() {
-            break;
-        }
-        let push = if round < SMOOTH_ROUNDS { statics.field().spread(&need) } else { need };
-        skin.push(positions, &push);
+    straighten(statics, fitted, body, positions, sweeps(statics.edges.len()));
+    let mut contacts = Contacts::new(outfit, statics, fitted, body, positions);
+    let depth_before: Vec<f32> = contacts.skin.contacts().iter().map(Contact::depth).collect();
+    let inside_before = contacts.skin.inside();
+    if statics.edges.len() <= AGAIN {
+        contacts.push_out(SMOOTH_ROUNDS, positions);
+        straighten(statics, fitted, body, positions, FEWEST_SWEEPS);
+        contacts = Contacts::new(outfit, statics, fitted, body, positions);
     }
-    skin.shorten(positions, lengths, SPIKE);
-    leave_body(&mut skin, fitted, positions, &mut need);
-    Resolved { inside_before, inside_after: skin.inside(), depth_before }
+    contacts.push_out(SMOOTH_ROUNDS + EXACT_ROUNDS, positions);
+    contacts.skin.shorten(positions, &fitted.lengths, SPIKE);
+    contacts.leave_body(positions);
+    Resolved { inside_before, inside_after: contacts.skin.inside(), depth_before }
 }
 
-/// Moves what is still inside out of the body, out of other limbs too, without new spikes.
-fn leave_body(skin: &mut SkinContact<'_>, fitted: &Fitted, positions: &mut [Vec3], need: &mut [Vec3]) {
-    let strayed = skin.strayed(positions);
-    for _ in 0..LAST_ROUNDS {
-        skin.needs(need);
-        skin.add_needs_between(positions, &fitted.coarse, need);
-        skin.add_needs_of_strayed(&strayed, positions, need);
-        let need = pushes(need);
-        if need.is_empty() {
-            break;
+/// What the cloth touches, kept up to date as it is moved.
+struct Contacts<'a> {
+    statics: &'a StaticPass,
+    fitted: &'a Fitted,
+    skin: SkinContact<'a>,
+    layers: LayerContact<'a>,
+    /// What each vertex lacks, metres.
+    need: Vec<Vec3>,
+}
+
+impl<'a> Contacts<'a> {
+    fn new(
+        outfit: &'a Outfit,
+        statics: &'a StaticPass,
+        fitted: &'a Fitted,
+        body: &'a Collider<'a>,
+        positions: &[Vec3],
+    ) -> Self {
+        let skin = SkinContact::new(statics, body, positions);
+        let layers = LayerContact::new(statics, &outfit.triangles);
+        Self { statics, fitted, skin, layers, need: vec![Vec3::ZERO; positions.len()] }
+    }
+
+    /// Moves the cloth out of the body and the layers below, in rounds: smoothly at first, then single vertices.
+    fn push_out(&mut self, rounds: usize, positions: &mut [Vec3]) {
+        for round in 0..rounds {
+            if round >= SMOOTH_ROUNDS {
+                self.skin.shorten(positions, &self.fitted.lengths, STRETCH);
+            }
+            self.skin.needs(&mut self.need);
+            self.skin.add_needs_between(positions, &self.fitted.coarse, &mut self.need);
+            let room = |v| self.skin.room(v);
+            self.layers.add_needs(room, positions, round % REFRESHED == 0, &mut self.need);
+            let need = pushes(&self.need);
+            if need.is_empty() {
+                break;
+            }
+            let push = if round < SMOOTH_ROUNDS { self.statics.field().spread(&need) } else { need };
+            self.skin.push(positions, &push);
         }
-        skin.push(positions, &need);
-        if skin.tears(&need, positions, &fitted.rest, SPIKE) {
-            skin.shorten(positions, &fitted.lengths, SPIKE);
+    }
+
+    /// Moves what is still inside out of the body, out of other limbs too, without new spikes.
+    fn leave_body(&mut self, positions: &mut [Vec3]) {
+        let strayed = self.skin.strayed(positions);
+        for _ in 0..LAST_ROUNDS {
+            self.skin.needs(&mut self.need);
+            self.skin.add_needs_between(positions, &self.fitted.coarse, &mut self.need);
+            self.skin.add_needs_of_strayed(&strayed, positions, &mut self.need);
+            let need = pushes(&self.need);
+            if need.is_empty() {
+                break;
+            }
+            self.skin.push(positions, &need);
+            if self.skin.tears(&need, positions, &self.fitted.rest, SPIKE) {
+                self.skin.shorten(positions, &self.fitted.lengths, SPIKE);
+            }
         }
     }
 }

@@ -17,7 +17,8 @@ use crate::stretch::{draw_to_rest, interleaved};
 const NODE_SWEEPS: usize = 6;
 /// How often those of the mesh are, at least and at most, and how many in all: coarse meshes, where more of a drape's
 /// error shows in each edge, cost little.
-const SWEEPS: (usize, usize) = (4, 20);
+pub const FEWEST_SWEEPS: usize = 4;
+const MOST_SWEEPS: usize = 20;
 const DRAWN: usize = 200_000;
 
 /// The touching nodes of an outfit on one body shape.
@@ -109,13 +110,24 @@ fn at(vertex: &[Option<u32>], positions: &[Vec3]) -> Vec<Vec3> {
     vertex.iter().map(|v| v.and_then(|v| positions.get(v as usize)).copied().unwrap_or_default()).collect()
 }
 
-/// Draws world `positions` (welded order) towards the lengths that they have at rest on the same body.
-pub fn straighten(statics: &StaticPass, fitted: &Fitted, body: &Collider<'_>, positions: &mut [Vec3]) {
+/// How often the edges of a mesh that has so many are drawn to their lengths.
+pub fn sweeps(edges: usize) -> usize {
+    (DRAWN / edges.max(1)).clamp(FEWEST_SWEEPS, MOST_SWEEPS)
+}
+
+/// Draws world `positions` (welded order) towards the lengths that they have at rest on the same body, those of the mesh
+/// some `sweeps` over.
+pub fn straighten(
+    statics: &StaticPass,
+    fitted: &Fitted,
+    body: &Collider<'_>,
+    positions: &mut [Vec3],
+    sweeps: usize,
+) {
     let nodes = crammed_nodes(statics, body);
     fitted.node_edges.draw_to_rest(statics, &nodes, positions);
     let crammed = |v| statics.node_of(v).and_then(|node| nodes.get(node).copied()).unwrap_or(false);
     let crammed: Vec<bool> = (0..positions.len()).map(crammed).collect();
-    let sweeps = (DRAWN / statics.edges.len().max(1)).clamp(SWEEPS.0, SWEEPS.1);
     draw_to_rest(positions, &statics.edges, &fitted.lengths, &crammed, sweeps);
 }
 
@@ -165,7 +177,7 @@ mod tests {
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
         let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[other], cells: None };
         let before = mean(&positions);
-        straighten(&statics, &fitted, &body, &mut positions);
+        straighten(&statics, &fitted, &body, &mut positions, sweeps(statics.edges.len()));
         (before, mean(&positions))
     }
 
@@ -183,7 +195,7 @@ mod tests {
         let mut positions = fitted.rest.clone();
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
         let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[], cells: None };
-        straighten(&statics, &fitted, &body, &mut positions);
+        straighten(&statics, &fitted, &body, &mut positions, sweeps(statics.edges.len()));
         assert!(positions.iter().zip(&fitted.rest).all(|(p, q)| p.distance(*q) < 1e-6));
     }
 }
