@@ -1,7 +1,7 @@
 """What bending does at a vertex of a hinge, in the closed form of the angle's gradient.
 
 The same force, Hessian and damping as `newton`'s own function (shells after Grinspun et al., Discrete Shells, 2003),
-which multiplies sixteen matrices for the gradient: half of a drape's time on a CPU.
+which takes the gradient by products of matrices, a fifth of a drape's time on a CPU.
 """
 
 from __future__ import annotations

@@ -99,7 +99,7 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
     contacts, seen, residual, count = pipeline.contacts(), start, np.inf, 0
 
     def recorded(before: newton.State, after: newton.State, step: float) -> wp.Graph:
-        """A step without the time that Python takes to ask for each of its thousands of loops."""
+        """A step without the time that Python takes to ask for each of its hundreds of kernels."""
         with wp.ScopedCapture() as capture:
             pipeline.collide(before, contacts)
             solver.step(before, after, control, contacts, step)

@@ -21,7 +21,7 @@ const LAST_ROUNDS: usize = 3;
 /// Rounds after which the layers' nearest vertices and normals are looked for anew; cloth moves by millimetres.
 const REFRESHED: usize = 4;
 /// Meshes of at most this many edges are drawn to their lengths once more when they are out, and moved out once more:
-/// it costs them little, and pushes have stretched their long edges most.
+/// pushes have stretched their long edges most, and the resolve of fine ones has no time for half as much again.
 const AGAIN: usize = 10_000;
 /// How long edges may be before single vertices move.
 const STRETCH: Limit = Limit { stretch: 1.8, rounds: 1 };

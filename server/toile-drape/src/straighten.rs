@@ -15,10 +15,11 @@ use crate::stretch::{draw_to_rest, interleaved};
 
 /// How often the nodes' edges are drawn to their lengths.
 const NODE_SWEEPS: usize = 6;
-/// How often those of the mesh are, at least and at most, and how many in all: coarse meshes, where more of a drape's
-/// error shows in each edge, cost little.
+/// How often those of the mesh are, at least.
 pub const FEWEST_SWEEPS: usize = 4;
+/// At most.
 const MOST_SWEEPS: usize = 20;
+/// And how many in all: coarse meshes, where more of a drape's error shows in each edge, cost little.
 const DRAWN: usize = 200_000;
 
 /// The touching nodes of an outfit on one body shape.
