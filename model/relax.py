@@ -255,11 +255,11 @@ def turns(sample: Sample, transforms: Tensor) -> Tensor:
     return (transforms[:, joint, :, :3] * weight[..., None, None]).sum(2)
 
 
-def chances(entry: ShapedPoses) -> Floats:
-    """How often each pose is drawn, (P,): every other draw has a leg bent far at the hip."""
+def chances(transforms: Floats) -> Floats:
+    """How often each pose (P, J, 3, 4) is drawn, (P,): every other draw has a leg bent far at the hip."""
     names = garment_joint_names()
     legs = [names.index("upperleg01.L"), names.index("upperleg01.R")]
-    deep = (entry.transforms[:, legs, 1, 1].min(1).values < BENT).numpy()
+    deep = transforms[:, legs, 1, 1].min(1) < BENT
     share = np.where(deep, 1 / max(deep.sum(), 1), 1 / max((~deep).sum(), 1))
     return share / share.sum()
 
@@ -282,7 +282,8 @@ def main() -> None:
     while time.time() - started < 60 * a.minutes and count < (a.limit or 10**9):
         sample, k = samples[rng.choice(len(samples), p=free / free.sum())], int(rng.integers(len(bank.entries)))
         entry = bank.entries[k]
-        poses = torch.as_tensor(rng.choice(len(entry.vertices), a.poses, replace=False, p=chances(entry)))
+        chance = chances(entry.transforms.numpy())
+        poses = torch.as_tensor(rng.choice(len(entry.vertices), a.poses, replace=False, p=chance))
         path = a.out / f"{sample.name}_{k}_{a.seed}.npz"
         if path.exists():
             continue

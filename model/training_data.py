@@ -209,6 +209,8 @@ class ShapedPoses:
 
 #: Phenotypes and local changes by name.
 ShapeValues = tuple[dict[str, float], dict[str, float]]
+#: Bodies, poses of each, and seed of the bank that networks are trained on.
+TRAINING_BANK = (40, 40, 1)
 
 
 class BodyBank:
@@ -222,16 +224,12 @@ class BodyBank:
         self.skin = torch.as_tensor(body.garment_skin, dtype=torch.float32)
         parents = body.parents[body.garment_joints]
         self.parents = torch.as_tensor(np.where(parents < 0, -1, body.garment_joint[parents]))
-        rng = np.random.default_rng(seed)
-        all_poses = sample_poses(shapes * poses, seed, DEMANDING)
-        self.entries = [
-            self.random_entry(body, random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)
-        ]
+        self.entries = [self.random_entry(body, *one) for one in random_bodies(shapes, poses, seed)]
 
     @classmethod
     def for_training(cls) -> BodyBank:
-        """The bank that training and relaxation share."""
-        return cls(40, 40, 1)
+        """The bank that training, relaxation and simulation share."""
+        return cls(*TRAINING_BANK)
 
     def to(self, device: str) -> BodyBank:
         """The same with its tables on a device; the bodies stay where they are."""
@@ -260,6 +258,12 @@ class BodyBank:
             torch.as_tensor(np.stack(transforms), dtype=torch.float32), vertices,
             normals, torch.as_tensor(np.stack(pinched)),
         )  # fmt: skip
+
+
+def random_bodies(shapes: int, poses: int, seed: int) -> list[tuple[ShapeValues, list[Rotations]]]:
+    """Random adults, each with its random poses, of which every other one is demanding."""
+    rng, all_poses = np.random.default_rng(seed), sample_poses(shapes * poses, seed, DEMANDING)
+    return [(random_shape(rng, i), all_poses[i * poses : (i + 1) * poses]) for i in range(shapes)]
 
 
 def random_shape(rng: np.random.Generator, index: int) -> ShapeValues:

@@ -54,12 +54,21 @@ def save(outfit: OutfitMesh, path: Path) -> None:
 def _make(job: tuple[int, str, str]) -> str:
     seed, family, path = job
     if not Path(path).exists():
-        outfit = generate(seed, family, **_cloth(seed))
-        if seed % SNUG_EVERY == 1:
-            model = AnnyBody.load()
-            outfit = snug(outfit, body_fields(model, model.shape()))
-        save(outfit, Path(path))
+        save(_outfit(seed, family), Path(path))
     return path
+
+
+def training_outfit(i: int) -> OutfitMesh:
+    """Outfit i of the training set."""
+    return _outfit(i, _turn(i))
+
+
+def _outfit(seed: int, family: str) -> OutfitMesh:
+    outfit = generate(seed, family, **_cloth(seed))
+    if seed % SNUG_EVERY == 1:
+        model = AnnyBody.load()
+        outfit = snug(outfit, body_fields(model, model.shape()))
+    return outfit
 
 
 def _cloth(seed: int) -> dict[str, Any]:

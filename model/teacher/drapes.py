@@ -36,7 +36,7 @@ from .colliders import touched
 from .weight import pull
 
 if TYPE_CHECKING:
-    from .simulation import Cloth, Resting
+    from .simulation import Cloth, Resting, Settings
 
 Floats = NDArray[np.floating]
 
@@ -129,7 +129,9 @@ def simulate(run: Run) -> None:
     print(f"{run.name}: {end.steps} steps, {judged.fault(Limits()) or 'good'}", flush=True)
 
 
-def settled(start: dict[str, NDArray], body: int, pose: int, moved: float = 0.0) -> tuple[Resting, Judged]:
+def settled(
+    start: dict[str, NDArray], body: int, pose: int, moved: float = 0.0, settings: Settings | None = None
+) -> tuple[Resting, Judged]:
     """Where an outfit comes to rest from its drape by skinning, vertices `moved` (m) at random; how good that is."""
     # Its kernels take a minute to compile where nothing needs them.
     from .simulation import Settings, equilibrium
@@ -138,7 +140,7 @@ def settled(start: dict[str, NDArray], body: int, pose: int, moved: float = 0.0)
     x = start["resolved"][body, pose]
     already = crossing(x, cloth.triangles)
     x = x + np.random.default_rng(body).normal(0, moved, x.shape).astype(np.float32)
-    end = equilibrium(cloth, x, surface, Settings())
+    end = equilibrium(cloth, x, surface, settings or Settings())
     return end, judge(end.x, end.residual, (already, cloth.rest), cloth.triangles, surface)
 
 
