@@ -1,8 +1,8 @@
 """What each loss does: `python -m ablation --steps 1200`, as the paper's Tables 1 and 3.
 
-Trains a network from nothing for each row, as many steps each, on the outfits and relaxed drapes of `make train`, and
-compares it with simulated drapes (`teacher.compare`, which needs `teacher.drapes`). L_D is the distance to relaxed
-drapes, L_E stretch, L_B bend, L_C contact with body and layers. Networks that are there already are only compared.
+Trains a network from nothing for each row, as many steps each, on the outfits and drapes of `teacher.training_set`, and
+compares it with those of `teacher.drapes` (`teacher.compare`). L_D is the distance to simulated drapes, L_E stretch,
+L_B bend, L_C contact with body and layers. Networks that are there already are only compared.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from export import ARTIFACTS, export_all
 from nets.deepsd import ConcatenatedPsi, Sizes
 from teacher.compare import Figures, compare, table
 from teacher.drapes import TEACHER, folders_in
+from teacher.training_set import SIMULATED
 from train_deepsd import RUNS, Data, DeePSD, Settings, half_precision, learn
 from training_data import DATA, BodyBank, OutfitPool, Sample, TargetPool
 
@@ -115,13 +116,14 @@ def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--steps", type=int, default=1200)
     p.add_argument("--rows", nargs="*", default=[row.name for row in ROWS])
-    p.add_argument("--drapes", type=Path, default=TEACHER)
+    p.add_argument("--simulated", type=Path, default=SIMULATED, help="drapes to learn from")
+    p.add_argument("--drapes", type=Path, default=TEACHER, help="drapes to judge by")
     p.add_argument("--artifacts", type=Path, default=DATA / "ablation_artifacts", help="scratch folder")
     a = p.parse_args()
     rows = [row for row in ROWS if row.name in a.rows]
     if not all(row.checkpoint.exists() for row in rows):
-        train_outfits, bank = OutfitPool(DATA / "outfits" / "train"), BodyBank.for_training()
-        data = Data(train_outfits, bank, TargetPool(DATA / "relaxed", train_outfits, bank), [], BodyBank(1, 1, 2))
+        outfits, bank = OutfitPool(a.simulated / "outfits"), BodyBank.for_training()
+        data = Data(outfits, bank, TargetPool(a.simulated, outfits, bank), [], BodyBank(1, 1, 2))
         for row in rows:
             if not row.checkpoint.exists():
                 train(row, data, a.steps)

@@ -56,7 +56,7 @@ class Size:
 
     outfits: int = 16  # one of which hardly ever comes to rest
     bodies: int = 2  # of its own for each outfit
-    poses: int = 14  # of its own for each outfit
+    poses: int = 13  # of its own for each outfit
     vertices: int = 1500  # of an outfit at most, about: a drape takes half a minute
 
 
