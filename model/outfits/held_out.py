@@ -26,20 +26,21 @@ def write_obj(outfit: OutfitMesh, path: Path) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
-def held_out(count: int) -> Iterator[tuple[int, OutfitMesh]]:
-    """Outfits of the kinds never trained on, in turn, with their numbers."""
+def held_out(count: int, density: int | None = None) -> Iterator[tuple[int, OutfitMesh]]:
+    """Outfits of the kinds never trained on, in turn, with their numbers; `density` as of `generate`."""
     families = list(VALIDATION)
     for i in range(count):
-        yield i, generate(VALIDATION_SEED + i, families[i % len(families)])
+        yield i, generate(VALIDATION_SEED + i, families[i % len(families)], vertices=density)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=8)
+    parser.add_argument("--density", type=int, help="vertices a square metre, for all of them")
     parser.add_argument("--out", type=Path, default=Path("data/held_out"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    for i, outfit in held_out(args.count):
+    for i, outfit in held_out(args.count, args.density):
         path = args.out / f"{i:02d}_{outfit.family}.obj"
         write_obj(outfit, path)
         print(path, flush=True)
