@@ -17,6 +17,10 @@ use crate::studio::Studio;
 const COARSE_EDGE: f32 = 0.022;
 /// Longer ones can sink in themselves, metres.
 const LONG_EDGE: f32 = 0.035;
+/// Radius of the body's curves that one garment spans over another, metres.
+const CURVE: f32 = 0.1;
+/// How far its triangles are taken to sink in there at most, metres.
+const MOST_SAG: f32 = 0.003;
 /// Shapes kept for each outfit.
 const KEPT: usize = 4;
 
@@ -33,6 +37,8 @@ pub struct Fitted {
     pub hanging: Hanging,
     /// What is tested for collisions between its vertices too.
     pub coarse: Coarse,
+    /// How far the cloth around each vertex may sink into cloth below it, between its corners, metres.
+    pub sags: Vec<f32>,
 }
 
 /// Pieces of cloth that can sink into the body while their vertices are outside.
@@ -99,6 +105,7 @@ impl StaticPass {
             let node_edges = NodeEdges::new(self, &rest);
             let lengths = lengths(&rest, &self.edges);
             Fitted {
+                sags: sags(rest.len(), &self.edges, &lengths),
                 hanging: Hanging::new(self, &rest, &node_edges),
                 node_edges,
                 coarse: Coarse::new(&outfit.triangles, &rest, &self.edges, &lengths),
@@ -107,6 +114,21 @@ impl StaticPass {
             }
         })
     }
+}
+
+/// How far flat triangles at each of `count` vertices lie below the body's curve through their corners, metres, from the
+/// `lengths` of their edges.
+#[must_use]
+pub fn sags(count: usize, edges: &[[u32; 2]], lengths: &[f32]) -> Vec<f32> {
+    let mut longest = vec![0.0_f32; count];
+    for (ends, length) in edges.iter().zip(lengths) {
+        for v in ends.map(|v| v as usize) {
+            if let Some(longest) = longest.get_mut(v) {
+                *longest = longest.max(*length);
+            }
+        }
+    }
+    longest.into_iter().map(|length| (length * length / (8.0 * CURVE)).min(MOST_SAG)).collect()
 }
 
 /// Length of each edge, metres.

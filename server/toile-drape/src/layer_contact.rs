@@ -7,13 +7,15 @@ use toile_geometry::normals::vertex_normals;
 use crate::resolve::{STILL, TOLERANCE};
 use crate::static_pass::StaticPass;
 
-/// Distance that layers keep, metres, where their rest poses do too: never less, never more.
+/// Distance that layers keep, metres, where their rest poses do too: never less, and no more but for what their triangles
+/// sink in between their corners.
 const GAP: (f32, f32) = (0.0005, 0.002);
 
 /// What lies under each outer garment, kept up to date from round to round of the resolve.
 pub struct LayerContact<'a> {
     statics: &'a StaticPass,
     triangles: &'a [[u32; 3]],
+    sags: &'a [f32],
     /// Vertex of the other garment nearest to each pair's own.
     hits: Vec<u32>,
     normals: Vec<Vec3>,
@@ -22,9 +24,9 @@ pub struct LayerContact<'a> {
 }
 
 impl<'a> LayerContact<'a> {
-    /// Of an outfit with these triangles.
-    pub fn new(statics: &'a StaticPass, triangles: &'a [[u32; 3]]) -> Self {
-        Self { statics, triangles, hits: vec![0; statics.layers.len()], normals: vec![], last: vec![] }
+    /// Of an outfit with these triangles; `sags`: how far the cloth around each vertex may sink in, metres.
+    pub fn new(statics: &'a StaticPass, triangles: &'a [[u32; 3]], sags: &'a [f32]) -> Self {
+        Self { statics, triangles, sags, hits: vec![0; statics.layers.len()], normals: vec![], last: vec![] }
     }
 
     /// Adds what outer vertices lack to their distance from the inner garment under them, and hems of inner garments
@@ -57,7 +59,9 @@ impl<'a> LayerContact<'a> {
             *kept = descend(point, &moved, if anew { candidates } else { std::slice::from_ref(kept) }, ring);
             let hit = *kept as usize;
             let (Some(other), Some(normal)) = (moved.get(hit), self.normals.get(hit)) else { continue };
-            let lack = gap.abs().clamp(GAP.0, GAP.1) - gap.signum() * (point - *other).dot(*normal);
+            let sag = |v: usize| self.sags.get(v).copied().unwrap_or(0.0);
+            let lack = gap.abs().clamp(GAP.0, GAP.1 + sag(v) + sag(hit))
+                - gap.signum() * (point - *other).dot(*normal);
             if lack <= TOLERANCE {
                 continue;
             }
@@ -70,5 +74,34 @@ impl<'a> LayerContact<'a> {
             }
         }
         self.last = moved;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layers::layer_contacts;
+    use crate::test_meshes::sheets;
+    use toile_geometry::mesh::Adjacency;
+
+    #[test]
+    fn cloth_that_sinks_in_between_its_corners_keeps_farther_off() {
+        let outfit = sheets(&[(0.0, 12), (0.02, 12)]);
+        let statics = StaticPass {
+            layers: layer_contacts(&outfit, &outfit.positions),
+            ring: Adjacency::new(outfit.positions.len(), &outfit.triangles),
+            ..StaticPass::default()
+        };
+        let mut near = outfit.positions.clone();
+        near[120..].iter_mut().for_each(|p| p.y = 0.001);
+        let inside = 120 + 55;
+        let lack = |sag: f32| {
+            let (sags, mut need) = (vec![sag; near.len()], vec![Vec3::ZERO; near.len()]);
+            let mut layers = LayerContact::new(&statics, &outfit.triangles, &sags);
+            layers.add_needs(|_| 0.0, &near, true, &mut need);
+            need[inside]
+        };
+        assert!(lack(0.0).distance(Vec3::Y * 0.001) < 1e-6, "{}", lack(0.0));
+        assert!(lack(0.0015).distance(Vec3::Y * 0.004) < 1e-6, "both sheets sink: {}", lack(0.0015));
     }
 }

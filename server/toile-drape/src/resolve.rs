@@ -98,7 +98,7 @@ impl<'a> Contacts<'a> {
         positions: &[Vec3],
     ) -> Self {
         let skin = SkinContact::new(statics, body, positions);
-        let layers = LayerContact::new(statics, &outfit.triangles);
+        let layers = LayerContact::new(statics, &outfit.triangles, &fitted.sags);
         Self { statics, fitted, skin, layers, need: vec![Vec3::ZERO; positions.len()] }
     }
 
@@ -144,7 +144,7 @@ impl<'a> Contacts<'a> {
 mod tests {
     use super::*;
     use crate::binding::CANDIDATES;
-    use crate::fitted::{Coarse, lengths};
+    use crate::fitted::{Coarse, lengths, sags};
     use crate::graph::OutfitGraph;
     use crate::layers::layer_contacts;
     use crate::push_out::followers;
@@ -186,6 +186,7 @@ mod tests {
         let fitted = Fitted {
             rest: statics.rest.clone(),
             coarse: Coarse::new(&outfit.triangles, &statics.rest, &statics.edges, &lengths),
+            sags: sags(moved.len(), &statics.edges, &lengths),
             lengths,
             node_edges: NodeEdges::default(),
             hanging: Hanging::default(),

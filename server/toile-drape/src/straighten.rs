@@ -162,7 +162,14 @@ mod tests {
         let lengths = lengths(&rest, &statics.edges);
         (
             statics,
-            Fitted { rest, lengths, node_edges, hanging: Hanging::default(), coarse: Coarse::default() },
+            Fitted {
+                rest,
+                lengths,
+                node_edges,
+                hanging: Hanging::default(),
+                coarse: Coarse::default(),
+                sags: vec![],
+            },
         )
     }
 

@@ -63,7 +63,7 @@ mod tests {
         let node_edges = NodeEdges::new(&statics, &rest);
         let hanging = Hanging::new(&statics, &rest, &node_edges);
         let lengths = lengths(&rest, &statics.edges);
-        (statics, Fitted { rest, lengths, node_edges, hanging, coarse: Coarse::default() })
+        (statics, Fitted { rest, lengths, node_edges, hanging, coarse: Coarse::default(), sags: vec![] })
     }
 
     /// How far the vertices of a tube lie from their mean distance to its axis, metres, after it was squeezed to 94 % of
