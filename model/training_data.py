@@ -175,7 +175,7 @@ class TargetPool:
             raw = np.load(path)
             sample, entry = self._sample.get(str(raw["outfit"])), int(raw["entry"])
             poses = torch.as_tensor(raw["poses"])
-            if sample is None or not self._same_bodies(entry, poses, raw["transforms"]):
+            if sample is None or not len(poses) or not self._same_bodies(entry, poses, raw["transforms"]):
                 continue
             on_body = carry(sample, self.bank, self.bank.entries[entry])
             self.targets.append(Target(sample, entry, poses, torch.as_tensor(raw["x"]), *on_body))
