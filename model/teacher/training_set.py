@@ -103,11 +103,12 @@ def make(seed: int, size: Size, out: Path) -> Counter[str]:
     # Its kernels take a minute to compile where nothing needs them.
     from .simulation import COARSE
 
+    kept = next(out.glob(f"{seed:07d}_*[0-9].npz"), None)
+    if kept is not None:
+        return Counter(np.load(kept)["faults"].tolist())
     outfit, worn = coarse(seed, size.vertices), Worn.drawn(seed, size.poses)
     name = f"{seed:07d}_{outfit.family}"
     path, scratch = out / f"{name}_{worn.entry}.npz", out / "scratch" / name
-    if path.exists():
-        return Counter(np.load(path)["faults"].tolist())
     scratch.mkdir(parents=True, exist_ok=True)
     write_obj(outfit, scratch / "outfit.obj")
     (scratch / "set.json").write_text(json.dumps(worn.asked()))

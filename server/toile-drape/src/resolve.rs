@@ -22,8 +22,9 @@ struct Rounds {
     exact: usize,
 }
 
+/// Of meshes that are moved out once.
 const ROUNDS: Rounds = Rounds { smooth: 7, exact: 5 };
-/// The same of meshes that are moved out twice.
+/// Of those that are moved out twice.
 const FIRST_ROUNDS: Rounds = Rounds { smooth: 3, exact: 0 };
 const THEN_ROUNDS: Rounds = Rounds { smooth: 5, exact: 7 };
 /// Rounds of such pushes after the last spikes are shortened, which may bring cloth back in.
