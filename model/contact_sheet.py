@@ -29,6 +29,8 @@ BODIES: dict[str, dict] = {
     "heavy": {"kind": "measurements", "values": {"height": 170, "weight": 105}},
 }
 CELL = (200, 300)
+#: Of the camera, upright, degrees; share of the picture around the body that stays free.
+VIEW_ANGLE, MARGIN = 28, 0.04
 SKIN, CLOTH = "#d9b59b", ("#4f7ca8", "#b6504c", "#4f8f67", "#c9974a", "#77808c")
 
 
@@ -62,15 +64,24 @@ def picture(scene: trimesh.Scene, eye: tuple[float, float, float]) -> Image.Imag
         plotter.add_mesh(
             pyvista.PolyData(np.asarray(mesh.vertices), faces), color=colour, smooth_shading=True, specular=0.1
         )
-    low, high = scene.bounds
-    centre = (low + high) / 2
-    distance = 1.15 * max(high[1] - low[1], (high[0] - low[0]) * 1.4) / 0.53
-    plotter.camera_position = [tuple(centre + np.array(eye) / np.linalg.norm(eye) * distance), tuple(centre), (0, 1, 0)]
-    plotter.camera.view_angle = 28
+    plotter.camera_position = framed(scene.to_geometry().vertices, np.array(eye))
+    plotter.camera.view_angle = VIEW_ANGLE
     plotter.set_background("white")
     image = plotter.screenshot(return_img=True)
     plotter.close()
     return Image.fromarray(image).resize(CELL, Image.Resampling.LANCZOS)
+
+
+def framed(points: np.ndarray, eye: np.ndarray) -> list[tuple[float, ...]]:
+    """Camera, focus and up from which all points (N, 3) are just in the picture, seen from `eye` (a direction)."""
+    towards = eye / np.linalg.norm(eye)
+    right = np.cross((0, 1, 0), towards) / np.linalg.norm(np.cross((0, 1, 0), towards))
+    centre = (points.min(0) + points.max(0)) / 2
+    across, along, depth = ((points - centre) @ np.stack([right, np.cross(towards, right), towards], 1)).T
+    tall = np.tan(np.radians(VIEW_ANGLE / 2)) * (1 - MARGIN)
+    wide = tall * CELL[0] / CELL[1]
+    distance = (np.maximum(abs(along) / tall, abs(across) / wide) + depth).max()
+    return [tuple(centre + towards * distance), tuple(centre), (0, 1, 0)]
 
 
 def sheet(server: str, outfits: list[str], poses: list[str], body: dict, method: str) -> Image.Image:
