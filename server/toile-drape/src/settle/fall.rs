@@ -6,7 +6,7 @@ use glam::{Vec3, Vec3A};
 
 use super::hanging::{Edge, Hanging, Tether, means};
 use crate::binding::CANDIDATES;
-use crate::contact::Collider;
+use crate::contact::{Collider, Contact};
 use crate::static_pass::StaticPass;
 
 /// Steps under weight, and those without it afterwards.
@@ -17,7 +17,7 @@ const FALL: f32 = 0.072;
 /// Share of its length that an edge keeps; flutes give the cloth its width back.
 const LEAST: f32 = 0.95;
 /// Distance kept from the skin, metres, and the same on both sides of a fold of the body.
-const GAP: f32 = 0.006;
+pub(super) const GAP: f32 = 0.006;
 const FOLD_GAP: f32 = 0.001;
 /// Distance from the skin up to which it holds cloth back, metres, and the share of the way that it takes.
 const TOUCHING: f32 = 0.012;
@@ -32,27 +32,35 @@ impl Hanging {
     pub fn fall(&self, statics: &StaticPass, body: &Collider<'_>, positions: &[Vec3]) -> Vec<Vec3> {
         let before = means(&self.members, positions);
         let mut p: Vec<Vec3A> = before.iter().copied().map(Vec3A::from).collect();
-        let mut skin = Skin::new(&p);
+        let mut skin = self.skin(statics, body, &p);
+        self.lift(statics, body, positions, &mut skin, &mut p);
         for step in 0..STEPS + REST {
             let left = (1.0 - step as f32 / STEPS as f32).max(0.0);
             let metres = 2.0 * FALL / STEPS as f32 * left;
             self.tethers.iter().for_each(|tether| tether.fall(metres, &mut p));
             self.edges.iter().for_each(|edge| edge.hold(&mut p));
-            if step % LOOKED == 0 {
-                for tether in &self.tethers {
-                    let c = tether.cluster as usize;
-                    skin.keep_out(body, self.candidates(statics, c), c, &mut p[c]);
-                }
+            if step % LOOKED == 1 {
+                self.clusters().for_each(|c| skin.keep_out(body, c, &mut p[c]));
             }
         }
         let moves: Vec<Vec3> = p.into_iter().zip(before).map(|(p, before)| Vec3::from(p) - before).collect();
         (0..positions.len()).map(|n| statics.settle.node_from_cluster.blended(n, &moves)).collect()
     }
 
-    /// Body vertices near a cluster.
-    fn candidates<'a>(&self, statics: &'a StaticPass, cluster: usize) -> &'a [u32] {
-        let node = self.members[cluster].first().map_or(0, |n| *n as usize);
-        statics.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[])
+    /// Clusters that fall.
+    pub(super) fn clusters(&self) -> impl Iterator<Item = usize> {
+        self.tethers.iter().map(|tether| tether.cluster as usize)
+    }
+
+    /// The skin near clusters at `p`.
+    pub(super) fn skin(&self, statics: &StaticPass, body: &Collider<'_>, p: &[Vec3A]) -> Skin {
+        let mut contacts = vec![Contact::far(f32::INFINITY); p.len()];
+        for c in self.clusters() {
+            let node = self.members[c].first().map_or(0, |n| *n as usize);
+            let near = statics.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[]);
+            contacts[c] = body.contact(p[c].into(), near);
+        }
+        Skin { last: p.to_vec(), contacts }
     }
 }
 
@@ -84,32 +92,28 @@ fn first_order(target: f32, square: f32) -> f32 {
 }
 
 /// What is known of the skin near each cluster.
-struct Skin {
-    /// Where the cluster was at the last look, and how far from the skin.
-    last: Vec<Vec3A>,
-    away: Vec<f32>,
-    hit: Vec<Option<u32>>,
+pub(super) struct Skin {
+    /// Where the cluster was at the last look.
+    pub last: Vec<Vec3A>,
+    /// What was seen there.
+    pub contacts: Vec<Contact>,
 }
 
 impl Skin {
-    fn new(p: &[Vec3A]) -> Self {
-        Self { last: p.to_vec(), away: vec![0.0; p.len()], hit: vec![None; p.len()] }
-    }
-
     /// Moves a cluster at `p` out of the body and holds it back on the skin.
-    fn keep_out(&mut self, body: &Collider<'_>, candidates: &[u32], c: usize, p: &mut Vec3A) {
-        if self.away[c] - p.distance(self.last[c]) > NEAR {
+    fn keep_out(&mut self, body: &Collider<'_>, c: usize, p: &mut Vec3A) {
+        let (last, known) = (self.last[c], &self.contacts[c]);
+        if known.away - p.distance(last) > NEAR {
             return;
         }
-        let near = self.hit[c].as_ref().map_or(candidates, std::slice::from_ref);
-        let contact = body.contact((*p).into(), near);
+        let contact = body.contact((*p).into(), known.hit.as_slice());
         *p += Vec3A::from(contact.way_out(GAP, FOLD_GAP, 0.0));
-        if contact.distance < TOUCHING && self.hit[c].is_some() {
-            let moved = *p - self.last[c];
+        if contact.distance < TOUCHING {
+            let moved = *p - last;
             let normal = Vec3A::from(contact.normal);
             *p -= (moved - normal * moved.dot(normal)) * FRICTION;
         }
-        (self.last[c], self.away[c], self.hit[c]) = (*p, contact.away, contact.hit);
+        (self.last[c], self.contacts[c]) = (*p, contact);
     }
 }
 

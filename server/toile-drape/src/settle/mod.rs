@@ -6,6 +6,7 @@
 mod fall;
 pub mod flutes;
 mod hanging;
+mod lift;
 mod tables;
 
 use glam::Vec3;
