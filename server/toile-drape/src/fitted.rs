@@ -14,7 +14,7 @@ use crate::straighten::NodeEdges;
 use crate::studio::Studio;
 
 /// Triangles with an edge longer than this can sink in between their corners, metres.
-const COARSE_EDGE: f32 = 0.022;
+pub const COARSE_EDGE: f32 = 0.022;
 /// Longer ones can sink in themselves, metres.
 const LONG_EDGE: f32 = 0.035;
 /// Radius of the body's curves that one garment spans over another, metres.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::contact::{Collider, Contact};
-use crate::fitted::Coarse;
+use crate::fitted::{COARSE_EDGE, Coarse};
 use crate::push_out::Push;
 use crate::resolve::{STILL, TOLERANCE};
 use crate::static_pass::StaticPass;
@@ -29,6 +29,8 @@ pub struct SkinContact<'a> {
     watched: Vec<u32>,
     /// Whether each vertex moved since the cloth between vertices was last looked at.
     moved: Vec<bool>,
+    /// Edges that became so long that they can sink in between their ends.
+    stretched: Vec<[usize; 2]>,
     /// What each coarse triangle and edge lacked in its middle then, metres.
     between: (Vec<Vec3>, Vec<Vec3>),
 }
@@ -56,7 +58,7 @@ impl<'a> SkinContact<'a> {
         let near = |v: &u32| contacts[*v as usize].is_nearer(WATCHED);
         let watched = (0..contacts.len() as u32).filter(near).collect();
         let moved = vec![true; contacts.len()];
-        Self { statics, body, contacts, watched, moved, between: Default::default() }
+        Self { statics, body, contacts, watched, moved, stretched: vec![], between: Default::default() }
     }
 
     /// The skin at every vertex.
@@ -87,9 +89,13 @@ impl<'a> SkinContact<'a> {
 
     /// Shortens the edges beyond the limit.
     pub fn shorten(&mut self, positions: &mut [Vec3], lengths: &[f32], limit: Limit) {
-        for v in stretch::shorten(positions, &self.statics.edges, lengths, limit) {
+        let found = stretch::shorten(positions, &self.statics.edges, lengths, limit);
+        for v in found.moved {
             self.update(v, positions[v]);
         }
+        let is_long =
+            |[a, b]: &[usize; 2]| positions[*a].distance_squared(positions[*b]) > COARSE_EDGE * COARSE_EDGE;
+        self.stretched = found.near.into_iter().filter(is_long).collect();
     }
 
     /// How many vertices are inside the body.
@@ -144,6 +150,9 @@ impl<'a> SkinContact<'a> {
         self.add_needs_of(&coarse.triangles, positions, &mut triangles, need);
         self.add_needs_of(&coarse.edges, positions, &mut edges, need);
         self.between = (triangles, edges);
+        for &ends in &self.stretched {
+            keep_longer(self.lack_in_the_middle(positions, ends), ends, need);
+        }
         self.moved.fill(false);
     }
 
@@ -161,11 +170,7 @@ impl<'a> SkinContact<'a> {
             if corners.iter().any(|&v| self.moved[v]) {
                 *way = self.lack_in_the_middle(positions, corners);
             }
-            for v in corners {
-                if need[v].length_squared() < way.length_squared() {
-                    need[v] = *way;
-                }
-            }
+            keep_longer(*way, corners, need);
         }
     }
 
@@ -188,5 +193,38 @@ impl<'a> SkinContact<'a> {
         let hits = corners.map(|v| self.contacts.get(v).and_then(|c| c.hit));
         let first = hits.into_iter().flatten().next()?;
         Some(self.body.contact(point, &hits.map(|hit| hit.unwrap_or(first))))
+    }
+}
+
+/// Lets corners `need` a way where it is longer than what they need already.
+fn keep_longer<const N: usize>(way: Vec3, corners: [usize; N], need: &mut [Vec3]) {
+    for v in corners {
+        if need[v].length_squared() < way.length_squared() {
+            need[v] = way;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use toile_geometry::mesh::Adjacency;
+
+    use super::*;
+
+    #[test]
+    fn an_edge_that_became_long_clears_what_stands_between_its_ends() {
+        let skin = [Vec3::ZERO, Vec3::new(0.03, 0.03, 0.0), Vec3::X * 0.06];
+        let (normals, ring) = ([Vec3::Y; 3], Adjacency::new(3, &[[0, 1, 2]]));
+        let body = Collider { vertices: &skin, normals: &normals, ring: &ring, facing: &[], cells: None };
+        let statics = StaticPass { edges: vec![[0, 1]], ..StaticPass::default() };
+        let mut cloth = [Vec3::new(0.0, 0.015, 0.0), Vec3::new(0.06, 0.015, 0.0)];
+        let mut lack = |rest: f32| {
+            let (mut contacts, mut need) = (SkinContact::new(&statics, &body, &cloth), vec![Vec3::ZERO; 2]);
+            contacts.shorten(&mut cloth, &[rest], Limit { stretch: 2.9, rounds: 1 });
+            contacts.add_needs_between(&cloth, &Coarse::default(), &mut need);
+            need[0].y
+        };
+        assert_eq!(lack(0.055), 0.0);
+        assert!(lack(0.022) > 0.014);
     }
 }

@@ -90,12 +90,24 @@ fn draw_four(points: &mut [Vec3A], four: &[Drawn; 4]) {
     }
 }
 
-/// Shortens edges of the given rest `lengths`, metres, to the limit; tells which vertices moved.
-pub fn shorten(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32], limit: Limit) -> Vec<usize> {
-    let mut moved = Vec::new();
-    for _ in 0..limit.rounds {
+/// What was found and done on the way to a limit.
+#[derive(Debug, Default)]
+pub struct Shortened {
+    /// Vertices that moved.
+    pub moved: Vec<usize>,
+    /// Edges that were near the limit or beyond it.
+    pub near: Vec<[usize; 2]>,
+}
+
+/// Shortens edges of the given rest `lengths`, metres, to the limit.
+pub fn shorten(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32], limit: Limit) -> Shortened {
+    let (mut moved, mut all_near) = (Vec::new(), Vec::new());
+    for round in 0..limit.rounds {
         let before = moved.len();
         let near: Vec<_> = long_edges(positions, edges, lengths, NEAR * limit.stretch).collect();
+        if round == 0 {
+            all_near.extend(near.iter().map(|(ends, _)| *ends));
+        }
         for _ in 0..SWEEPS {
             let before = moved.len();
             for &([a, b], rest) in &near {
@@ -118,7 +130,7 @@ pub fn shorten(positions: &mut [Vec3], edges: &[[u32; 2]], lengths: &[f32], limi
     }
     moved.sort_unstable();
     moved.dedup();
-    moved
+    Shortened { moved, near: all_near }
 }
 
 /// Edges beyond `stretch` times their rest lengths, with these.
@@ -169,7 +181,7 @@ mod tests {
         let edges: Vec<[u32; 2]> = (0..29).map(|i| [i, i + 1]).collect();
         let still = line.clone();
         let limit = Limit { stretch: 1.8, rounds: 1 };
-        assert!(shorten(&mut line, &edges, &[0.01; 29], limit).is_empty());
+        assert!(shorten(&mut line, &edges, &[0.01; 29], limit).moved.is_empty());
         line[15].y += 0.1;
         for _ in 0..4 {
             shorten(&mut line, &edges, &[0.01; 29], limit);

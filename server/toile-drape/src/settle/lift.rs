@@ -16,7 +16,7 @@ const DEEP: f32 = 0.012;
 const THICKEST: f32 = 0.1;
 /// Cosine of the angle between cloth and nearest skin from which this is the side that the cloth lies on. In folds of the
 /// body it is not.
-const AGREE: f32 = 0.6;
+const AGREE: f32 = 0.45;
 /// Length of the steps along the cloth's normal, metres, and how many there are at most.
 const STEP: f32 = 0.01;
 const MOST: usize = 12;
