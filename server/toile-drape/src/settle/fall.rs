@@ -39,7 +39,7 @@ impl Hanging {
             let metres = 2.0 * FALL / STEPS as f32 * left;
             self.tethers.iter().for_each(|tether| tether.fall(metres, &mut p));
             self.edges.iter().for_each(|edge| edge.hold(&mut p));
-            if step % LOOKED == 1 {
+            if step % LOOKED == 0 {
                 self.clusters().for_each(|c| skin.keep_out(body, c, &mut p[c]));
             }
         }
