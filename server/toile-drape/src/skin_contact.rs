@@ -29,10 +29,10 @@ pub struct SkinContact<'a> {
     watched: Vec<u32>,
     /// Whether each vertex moved since the cloth between vertices was last looked at.
     moved: Vec<bool>,
-    /// Edges that became so long that they can sink in between their ends.
-    stretched: Vec<[usize; 2]>,
     /// What each coarse triangle and edge lacked in its middle then, metres.
     between: (Vec<Vec3>, Vec<Vec3>),
+    /// Edges that became so long that they can sink in between their ends.
+    stretched: Vec<[usize; 2]>,
 }
 
 impl<'a> SkinContact<'a> {
@@ -58,7 +58,7 @@ impl<'a> SkinContact<'a> {
         let near = |v: &u32| contacts[*v as usize].is_nearer(WATCHED);
         let watched = (0..contacts.len() as u32).filter(near).collect();
         let moved = vec![true; contacts.len()];
-        Self { statics, body, contacts, watched, moved, stretched: vec![], between: Default::default() }
+        Self { statics, body, contacts, watched, moved, between: Default::default(), stretched: vec![] }
     }
 
     /// The skin at every vertex.
