@@ -26,6 +26,8 @@ pub struct Collider<'a> {
 const NARROWEST: f32 = 0.05;
 /// Vertices of one limb are within this distance of each other where cells know one of them, metres.
 const SAME_LIMB: f32 = 0.05;
+/// Nor is it the same one, the foot seen from the shin, where what the contact knows is so many times as far away.
+const CLEARLY_FARTHER: f32 = 1.2;
 /// Cloth this near to its own limb is in no other, metres.
 const CLOSE: f32 = 0.008;
 /// Deeper in another limb cloth is left alone, metres: the limb has passed through it.
@@ -132,7 +134,9 @@ impl Collider<'_> {
         let at = |v: u32| Some((*self.vertices.get(v as usize)?, *self.normals.get(v as usize)?));
         let Some(found) = self.cells.and_then(|cells| cells.at(point)).and_then(at) else { return false };
         let same = |hit: (Vec3, Vec3)| {
-            hit.0.distance_squared(found.0) < SAME_LIMB * SAME_LIMB && hit.1.dot(found.1) > 0.0
+            hit.0.distance_squared(found.0) < SAME_LIMB * SAME_LIMB
+                && hit.1.dot(found.1) > 0.0
+                && known.away < CLEARLY_FARTHER * point.distance(found.0)
         };
         !known.hit.and_then(at).is_some_and(same)
     }
@@ -226,6 +230,23 @@ mod tests {
         assert_eq!(way(-0.002), None, "that is for its own limb");
         assert!(cells.is_some_and(|cells| cells.at(floor[44] + Vec3::Y * 0.048).is_some()));
         assert_eq!(way(0.048), None, "it has passed through");
+    }
+
+    #[test]
+    fn cloth_in_a_foot_that_knows_the_shin_finds_its_way_out() {
+        let (shin, triangles) = sheet(10);
+        let foot = shin.iter().map(|p| *p + Vec3::Y * 0.03);
+        let vertices: Vec<Vec3> = shin.iter().copied().chain(foot).collect();
+        let normals = vec![Vec3::Y; vertices.len()];
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        let cells = SkinCells::new(&vertices, &normals);
+        let cells = Some(&cells);
+        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells };
+        let point = shin[44] + Vec3::Y * 0.026;
+        let known = surface.contact(point, &[44]);
+        assert!(surface.may_be_in_another(point, &known), "the foot is near the shin and faces the same way");
+        let out = surface.way_out_of_another(point, &known, 0.001).expect("a way out");
+        assert!(out.distance(Vec3::Y * 0.005) < 1e-6, "{out}");
     }
 
     #[test]
