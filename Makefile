@@ -25,7 +25,7 @@ VALIDATOR := tests/validator/node_modules/.installed
 BROWSER_MODULES := tests/browser/node_modules/.installed
 WEB_SOURCES := $(shell find web/src web/public web/index.html web/vite.config.ts web/tsconfig.json -type f 2>/dev/null)
 
-.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train export clean tools bake hero \
+.PHONY: help run build binary test test-model lint lint-rust lint-model lint-web bench train train-simulated export clean tools bake hero \
 	train-garnet evaluate-garnet train-pixel evaluate-pixel \
 	test-rust test-python test-web test-e2e test-browser test-teacher evaluate thumbnails pictures chromium
 
@@ -41,6 +41,7 @@ help:
 	@echo "make bake OUTFIT=id  refine one outfit of a running server, in minutes"
 	@echo "make hero OUTFIT=file  teach pixel cloth one outfit with UVs, at a running server, in an hour or two"
 	@echo "make train       generate outfits and train the networks"
+	@echo "make train-simulated  simulate drapes and train the network on with them, in hours"
 	@echo "make train-garnet  make GarNet's drapes and train it on them, in hours"
 	@echo "make evaluate-garnet  GarNet's tables, of what has been trained"
 	@echo "make train-pixel  make the T-shirt's drapes and train pixel cloth on them, in hours"
@@ -192,6 +193,15 @@ train: $(MODEL_TOOLS)
 		../$(MODEL_VENV)/bin/python -m relax --minutes 20; relaxed=$$?; wait; exit $$relaxed; }
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m relax --minutes 44 --seed 1 & \
 		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
+	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 7
+
+# What was trained last goes on, or else what is shipped.
+train-simulated: $(TEACHER_TOOLS)
+	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 0 --validation 12 --out data/outfits
+	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m teacher.training_set
+	cd model && [ -f runs/deepsd.pt ] || ../$(MODEL_VENV)/bin/python -m shipped --out runs/deepsd.pt
+	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m train_deepsd --resume runs/deepsd.pt \
+		--simulated data/simulated --minutes 35 --start 0.3 --rate 1e-3
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 7
 
 GARMENTS := tee sweater dress jeans

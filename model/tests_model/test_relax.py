@@ -132,6 +132,12 @@ def test_training_draws_relaxed_outfits_of_its_own_bodies_only(
     assert first["target"] > 0 and "stretch" not in first, "a run begins by copying"
     later = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, copied=0.5, aimed=1.0), 0.5)
     assert later["target"] > 0 and later["stretch"] > 0 and "hold" not in later
+    torch.manual_seed(0)
+    once = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, copied=0.5, aimed=1.0), 0.5)
+    torch.manual_seed(0)
+    thrice = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, copied=0.5, aimed=1.0, contact=3.0), 0.5)
+    assert thrice["contact"] == pytest.approx(3 * once["contact"]) and once["contact"] > 0
+    assert thrice["stretch"] == once["stretch"]
     free = step(DeePSD(Sizes()), data, np.random.default_rng(0), Settings(1, poses=2, copied=0.5, aimed=0.0), 0.5)
     assert free["hold"] >= 0 and "target" not in free
     net = DeePSD(Sizes())
