@@ -20,6 +20,8 @@ pub struct Collider<'a> {
     pub facing: &'a [u32],
     /// Which vertex is near a place; none where the surface is all one limb.
     pub cells: Option<&'a SkinCells>,
+    /// Vertices of the left and of the right foot.
+    pub feet: [&'a [u32]; 2],
 }
 
 /// Square of the sine of a fold's angle below which its mouth is not looked for.
@@ -171,8 +173,14 @@ mod tests {
         let (vertices, triangles) = sheet(10);
         let ring = Adjacency::new(vertices.len(), &triangles);
         let normals = vec![Vec3::Y; vertices.len()];
-        let surface =
-            Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None };
+        let surface = Collider {
+            vertices: &vertices,
+            normals: &normals,
+            ring: &ring,
+            facing: &[],
+            cells: None,
+            feet: [&[]; 2],
+        };
         let below = Vec3::new(0.052, -0.004, 0.047);
         let (distance, normal) = surface.clearance(below, &[0]);
         assert!((distance + 0.004).abs() < 1e-6);
@@ -217,7 +225,14 @@ mod tests {
         let ring = Adjacency::new(vertices.len(), &triangles);
         let cells = SkinCells::new(&vertices, &normals);
         let cells = Some(&cells);
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells };
+        let surface = Collider {
+            vertices: &vertices,
+            normals: &normals,
+            ring: &ring,
+            facing: &[],
+            cells,
+            feet: [&[]; 2],
+        };
         let way = |height: f32| {
             let point = floor[44] + Vec3::Y * height;
             let known = surface.contact(point, &[44]);
@@ -241,7 +256,14 @@ mod tests {
         let ring = Adjacency::new(vertices.len(), &triangles);
         let cells = SkinCells::new(&vertices, &normals);
         let cells = Some(&cells);
-        let surface = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells };
+        let surface = Collider {
+            vertices: &vertices,
+            normals: &normals,
+            ring: &ring,
+            facing: &[],
+            cells,
+            feet: [&[]; 2],
+        };
         let point = shin[44] + Vec3::Y * 0.026;
         let known = surface.contact(point, &[44]);
         assert!(surface.may_be_in_another(point, &known), "the foot is near the shin and faces the same way");
@@ -259,8 +281,14 @@ mod tests {
             (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
         let ring = Adjacency::new(vertices.len(), &triangles);
         let facing: Vec<u32> = (0..2 * count).map(|v| (v + count) % (2 * count)).collect();
-        let surface =
-            Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &facing, cells: None };
+        let surface = Collider {
+            vertices: &vertices,
+            normals: &normals,
+            ring: &ring,
+            facing: &facing,
+            cells: None,
+            feet: [&[]; 2],
+        };
         let contact = surface.contact(floor[44] - Vec3::Y * 0.0005, &[44]);
         assert!((contact.distance + 0.0005).abs() < 1e-6);
         assert!((contact.across + 0.0015).abs() < 1e-6, "{contact:?}");

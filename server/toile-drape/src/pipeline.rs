@@ -225,13 +225,14 @@ fn drape_frame(
     let (outfit, statics) = (scene.request.outfit, scene.request.statics);
     let mut positions =
         timing.time("skinning", || place(scene.placement, index, &scene.fitted.rest, transforms));
-    let ring = &scene.studio.reference.ring;
+    let reference = &scene.studio.reference;
     let skin = Collider {
         vertices: &posed.vertices,
         normals: &posed.normals,
-        ring,
+        ring: &reference.ring,
         facing: &posed.facing,
         cells: Some(&posed.cells),
+        feet: reference.feet.each_ref().map(Vec::as_slice),
     };
     if scene.request.resolve && scene.request.method.settles() {
         timing.time("settle", || settle(statics, scene.fitted, &skin, &mut positions));

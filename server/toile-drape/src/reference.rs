@@ -72,6 +72,8 @@ pub struct ReferenceBody {
     pub ring: Adjacency,
     /// Part of every vertex; none for arms, head and feet.
     pub parts: Arc<[Option<Part>]>,
+    /// Vertices of the left and of the right foot.
+    pub feet: [Vec<u32>; 2],
     /// For each limb the body vertices that its cloth may touch.
     pub touch: [PointTree; 5],
     /// Every body vertex.
@@ -106,6 +108,11 @@ impl LimbJoints {
 }
 
 impl LimbJoints {
+    /// Whether a foot, left or right, has most of a vertex's skin weight.
+    fn is_foot(&self, side: usize, row: &[f32; GARMENT_JOINTS]) -> bool {
+        self.leg[side].last().is_some_and(|foot| row[*foot] > 0.5)
+    }
+
     /// The part with most of a vertex's skin weight.
     fn part(&self, row: &[f32; GARMENT_JOINTS]) -> Option<Part> {
         let sides = [(Part::ThighLeft, Part::CalfLeft), (Part::ThighRight, Part::CalfRight)];
@@ -158,6 +165,8 @@ impl ReferenceBody {
             ],
             all: tree(&|_| true)?,
             clothed: tree(&|v| hand(v) <= 0.95)?,
+            feet: [0, 1]
+                .map(|s| (0..).zip(&skin).filter(|(_, row)| limbs.is_foot(s, row)).map(|(v, _)| v).collect()),
             parts: (0..vertices.len())
                 .map(|v| limbs.part(&skin[v]).filter(|_| no_arm(v) && vertices[v].y < CHEST))
                 .collect(),

@@ -192,7 +192,14 @@ mod tests {
             node_edges: NodeEdges::default(),
             hanging: Hanging::default(),
         };
-        let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None };
+        let body = Collider {
+            vertices: &vertices,
+            normals: &normals,
+            ring: &ring,
+            facing: &[],
+            cells: None,
+            feet: [&[]; 2],
+        };
         resolve(outfit, &statics, &fitted, &body, &mut moved);
         moved
     }

@@ -62,8 +62,14 @@ fn push_off(
     positions: &mut [Vec3],
 ) {
     let normals = vertex_normals(apose, triangles);
-    let skin =
-        Collider { vertices: apose, normals: &normals, ring: &reference.ring, facing: &[], cells: None };
+    let skin = Collider {
+        vertices: apose,
+        normals: &normals,
+        ring: &reference.ring,
+        facing: &[],
+        cells: None,
+        feet: [&[]; 2],
+    };
     let field = statics.field();
     for round in 0..ROUNDS {
         let need: Vec<Vec3> = positions

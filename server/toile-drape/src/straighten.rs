@@ -183,7 +183,14 @@ mod tests {
             now.iter().zip(&fitted.lengths).map(|(n, r)| (n / r - 1.0).abs()).sum::<f32>() / now.len() as f32
         };
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[other], cells: None };
+        let body = Collider {
+            vertices: &skin,
+            normals: &skin,
+            ring: &ring,
+            facing: &[other],
+            cells: None,
+            feet: [&[]; 2],
+        };
         let before = mean(&positions);
         straighten(&statics, &fitted, &body, &mut positions, sweeps(statics.edges.len()));
         (before, mean(&positions))
@@ -202,7 +209,14 @@ mod tests {
         let (statics, fitted) = cloth();
         let mut positions = fitted.rest.clone();
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider { vertices: &skin, normals: &skin, ring: &ring, facing: &[], cells: None };
+        let body = Collider {
+            vertices: &skin,
+            normals: &skin,
+            ring: &ring,
+            facing: &[],
+            cells: None,
+            feet: [&[]; 2],
+        };
         straighten(&statics, &fitted, &body, &mut positions, sweeps(statics.edges.len()));
         assert!(positions.iter().zip(&fitted.rest).all(|(p, q)| p.distance(*q) < 1e-6));
     }

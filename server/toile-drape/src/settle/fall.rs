@@ -4,6 +4,7 @@
 
 use glam::{Vec3, Vec3A};
 
+use super::feet::Feet;
 use super::hanging::{Edge, Hanging, Tether, means};
 use crate::binding::CANDIDATES;
 use crate::contact::{Collider, Contact};
@@ -55,10 +56,11 @@ impl Hanging {
     /// The skin near clusters at `p`.
     pub(super) fn skin(&self, statics: &StaticPass, body: &Collider<'_>, p: &[Vec3A]) -> Skin {
         let mut contacts = vec![Contact::far(f32::INFINITY); p.len()];
+        let feet = Feet::of(body);
         for c in self.clusters() {
             let node = self.members[c].first().map_or(0, |n| *n as usize);
             let near = statics.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[]);
-            contacts[c] = body.contact(p[c].into(), near);
+            contacts[c] = feet.or_foot(p[c].into(), body.contact(p[c].into(), near));
         }
         Skin { last: p.to_vec(), contacts }
     }
@@ -129,8 +131,14 @@ mod tests {
     fn fallen(clearance: f32, posed: impl Fn(&Vec3) -> Vec3) -> (Vec<Vec3>, Vec<Vec3>) {
         let (statics, fitted) = hung(clearance);
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
-        let body =
-            Collider { vertices: &skin, normals: &[Vec3::NEG_Y], ring: &ring, facing: &[], cells: None };
+        let body = Collider {
+            vertices: &skin,
+            normals: &[Vec3::NEG_Y],
+            ring: &ring,
+            facing: &[],
+            cells: None,
+            feet: [&[]; 2],
+        };
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(posed).collect();
         let moves = fitted.hanging.fall(&statics, &body, &fitted.node_edges.at(&positions));
         fitted.node_edges.carry(&statics, &moves, &mut positions);

@@ -114,7 +114,14 @@ mod tests {
         let triangles: Vec<[u32; 3]> = (0..64).flat_map(quad).collect();
         let vertices: Vec<Vec3> = normals.iter().map(|n| centre + *n * 0.06).collect();
         let ring = Adjacency::new(vertices.len(), &triangles);
-        let body = Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None };
+        let body = Collider {
+            vertices: &vertices,
+            normals: &normals,
+            ring: &ring,
+            facing: &[],
+            cells: None,
+            feet: [&[]; 2],
+        };
         let (statics, fitted) = hung(0.1);
         let (hanging, nodes) = (&fitted.hanging, fitted.node_edges.at(&fitted.rest));
         let before: Vec<Vec3A> = means(&hanging.members, &nodes).into_iter().map(Vec3A::from).collect();

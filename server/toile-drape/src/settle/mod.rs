@@ -4,6 +4,7 @@
 //! where these lie by chance.
 
 mod fall;
+mod feet;
 pub mod flutes;
 mod hanging;
 mod lift;
@@ -74,8 +75,14 @@ mod tests {
         let squeezed = |p: &Vec3| Vec3::new(0.94 * p.x, p.y, 0.94 * p.z);
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(squeezed).collect();
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
-        let body =
-            Collider { vertices: &skin, normals: &[Vec3::NEG_Y], ring: &ring, facing: &[], cells: None };
+        let body = Collider {
+            vertices: &skin,
+            normals: &[Vec3::NEG_Y],
+            ring: &ring,
+            facing: &[],
+            cells: None,
+            feet: [&[]; 2],
+        };
         settle(&statics, &fitted, &body, &mut positions);
         let away: Vec<f32> = positions.iter().map(|p| p.with_y(0.0).length()).collect();
         let mean = away.iter().sum::<f32>() / away.len() as f32;
