@@ -272,6 +272,7 @@ def main() -> None:
     p.add_argument("--limit", type=int, help="use only this many outfits (smoke runs)")
     p.add_argument("--start", type=float, default=0.0, help="progress (0 to 1) at which a resumed run goes on")
     p.add_argument("--rate", type=float, default=2e-3)
+    p.add_argument("--seed", type=int, default=0)
     a = p.parse_args()
     torch.manual_seed(0)
     net = DeePSD(Sizes())
@@ -284,8 +285,8 @@ def main() -> None:
     data = Data(train, bank, targets, validation, BodyBank(6, 12, 2))
     print(f"{len(train.samples)} training and {len(validation)} validation outfits", flush=True)
     # What stands still may be off in its folds: from simulated cloth there is no copying without the energies.
-    shares = Settings(0, copied=0.0, aimed=0.8, contact=3.0) if a.simulated else Settings(0)
-    learn(net, data, replace(shares, minutes=a.minutes, rate=a.rate, start=a.start), a.out)
+    shares = Settings(0, copied=0.0, aimed=0.8, contact=4.0) if a.simulated else Settings(0)
+    learn(net, data, replace(shares, minutes=a.minutes, rate=a.rate, start=a.start, seed=a.seed), a.out)
 
 
 if __name__ == "__main__":
