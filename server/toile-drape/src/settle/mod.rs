@@ -15,6 +15,7 @@ use glam::Vec3;
 use crate::contact::Collider;
 use crate::fitted::Fitted;
 use crate::static_pass::StaticPass;
+use feet::Feet;
 
 pub use hanging::Hanging;
 pub use tables::SettleTables;
@@ -28,8 +29,12 @@ pub fn settle(statics: &StaticPass, fitted: &Fitted, body: &Collider<'_>, positi
     let mut at = nodes.at(positions);
     let mut moves = hanging.fall(statics, body, &at);
     nodes.carry_nodes(statics, &moves, &mut at);
-    let raised = statics.settle.normals(&at).zip(hanging.flutes(statics, &at));
-    moves.iter_mut().zip(raised).for_each(|(moved, (normal, height))| *moved += normal * height);
+    let raised: Vec<Vec3> =
+        statics.settle.normals(&at).zip(hanging.flutes(statics, &at)).map(|(n, height)| n * height).collect();
+    for places in [&mut moves, &mut at] {
+        places.iter_mut().zip(&raised).for_each(|(place, raised)| *place += raised);
+    }
+    Feet::of(body).lift(hanging, statics, &at, &mut moves);
     nodes.carry(statics, &moves, positions);
 }
 
