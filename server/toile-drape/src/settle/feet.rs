@@ -8,7 +8,7 @@ use crate::graph::Links;
 use crate::static_pass::StaticPass;
 
 /// Of how many vertices of a foot one is looked at first.
-const SPARSE: usize = 16;
+const SPARSE: usize = 32;
 /// How far from a foot it is looked for, metres.
 const REACH: f32 = 0.05;
 /// Distance from a vertex of the foot at which cloth is between toes, metres.
@@ -69,18 +69,20 @@ impl<'a> Feet<'a> {
         let members = || hanging.clusters().map(|c| &hanging.members[c]);
         let is_near = |n: &u32| self.feet.iter().any(|foot| foot.is_near(at[*n as usize], BETWEEN));
         let near: Vec<&Vec<u32>> = members().filter(|all| all.iter().any(is_near)).collect();
-        if near.is_empty() {
-            return;
-        }
-        let normals: Vec<Vec3> = statics.settle.normals(at).collect();
         let mut lifts = vec![Vec3::ZERO; at.len()];
+        let mut lifted = Vec::new();
         for all in near {
-            let normal = all.iter().map(|n| normals[*n as usize]).sum::<Vec3>().normalize_or_zero();
-            for n in all.iter().map(|n| *n as usize) {
+            let nodes = || all.iter().map(|n| *n as usize);
+            let normal = nodes().map(|n| statics.settle.normal(n, at)).sum::<Vec3>().normalize_or_zero();
+            for n in nodes() {
                 lifts[n] = self.way_out(at[n], normal);
             }
+            lifted.extend(nodes().filter(|n| lifts[*n] != Vec3::ZERO));
         }
-        pass_on(&mut lifts, &statics.near);
+        if lifted.is_empty() {
+            return;
+        }
+        pass_on(&mut lifts, lifted, &statics.near);
         members().flatten().for_each(|n| moves[*n as usize] += lifts[*n as usize]);
     }
 
@@ -96,18 +98,21 @@ impl<'a> Feet<'a> {
     }
 }
 
-/// Gives nodes beside those that are lifted a share of their lifts, where these are longer than their own.
-fn pass_on(lifts: &mut [Vec3], near: &Links) {
+/// Gives nodes beside those that are `lifted` a share of their lifts, where these are longer than their own.
+fn pass_on(lifts: &mut [Vec3], mut lifted: Vec<usize>, near: &Links) {
     for _ in 0..ROUNDS {
-        let before = lifts.to_vec();
-        for (n, lift) in lifts.iter_mut().enumerate() {
+        let mut next = Vec::new();
+        for (n, lift) in lifted.into_iter().map(|n| (n, lifts[n] * FOLLOW)).collect::<Vec<_>>() {
             for (m, _) in near.row(n) {
-                let followed = before[m] * FOLLOW;
-                if followed.length_squared() > lift.length_squared() {
-                    *lift = followed;
+                if lift.length_squared() > lifts[m].length_squared() {
+                    lifts[m] = lift;
+                    next.push(m);
                 }
             }
         }
+        next.sort_unstable();
+        next.dedup();
+        lifted = next;
     }
 }
 

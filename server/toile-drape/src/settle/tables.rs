@@ -54,10 +54,13 @@ impl SettleTables {
 
     /// Unit normals of the nodes at `positions`, metres; 0 where the nodes around one lie in a line.
     pub(super) fn normals(&self, positions: &[Vec3]) -> impl Iterator<Item = Vec3> {
-        self.around.iter().map(|corners| {
-            let [right, above, left, below] = corners.map(|n| positions[n as usize]);
-            (right - left).cross(above - below).normalize_or_zero()
-        })
+        (0..self.around.len()).map(|n| self.normal(n, positions))
+    }
+
+    /// That of node `n`.
+    pub(super) fn normal(&self, n: usize, positions: &[Vec3]) -> Vec3 {
+        let [right, above, left, below] = self.around[n].map(|n| positions[n as usize]);
+        (right - left).cross(above - below).normalize_or_zero()
     }
 
     /// Bytes held in memory.
