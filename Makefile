@@ -195,7 +195,7 @@ train: $(MODEL_TOOLS)
 		../$(MODEL_VENV)/bin/python -m train_deepsd --minutes 50; trained=$$?; wait; exit $$trained; }
 	cd model && ../$(MODEL_VENV)/bin/python -m distill_concat --minutes 7
 
-# What was trained last goes on, or else what is shipped. The mean of where it began and of two ends goes on best.
+# Goes on from what was trained last, or else from what is shipped, to the mean of the start and of two ends.
 SIMULATED_RUN := --simulated data/simulated --minutes 10 --start 0.5 --rate 1e-3
 train-simulated: $(TEACHER_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 160 --validation 12 --out data/outfits
