@@ -166,21 +166,14 @@ impl Collider<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_meshes::sheet;
+    use crate::test_meshes::{limb, sheet};
 
     #[test]
     fn clearance_is_negative_behind_the_surface() {
         let (vertices, triangles) = sheet(10);
         let ring = Adjacency::new(vertices.len(), &triangles);
         let normals = vec![Vec3::Y; vertices.len()];
-        let surface = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let surface = limb(&vertices, &normals, &ring);
         let below = Vec3::new(0.052, -0.004, 0.047);
         let (distance, normal) = surface.clearance(below, &[0]);
         assert!((distance + 0.004).abs() < 1e-6);

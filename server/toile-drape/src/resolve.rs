@@ -151,7 +151,7 @@ mod tests {
     use crate::push_out::followers;
     use crate::settle::Hanging;
     use crate::straighten::NodeEdges;
-    use crate::test_meshes::{sheet, sheets};
+    use crate::test_meshes::{limb, sheet, sheets};
     use toile_geometry::mesh::{Adjacency, edges};
     use toile_geometry::nearest::PointTree;
     use toile_geometry::normals::vertex_normals;
@@ -192,14 +192,7 @@ mod tests {
             node_edges: NodeEdges::default(),
             hanging: Hanging::default(),
         };
-        let body = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = limb(&vertices, &normals, &ring);
         resolve(outfit, &statics, &fitted, &body, &mut moved);
         moved
     }

@@ -210,19 +210,13 @@ mod tests {
     use toile_geometry::mesh::Adjacency;
 
     use super::*;
+    use crate::test_meshes::limb;
 
     #[test]
     fn an_edge_that_became_long_clears_what_stands_between_its_ends() {
         let skin = [Vec3::ZERO, Vec3::new(0.03, 0.03, 0.0), Vec3::X * 0.06];
         let (normals, ring) = ([Vec3::Y; 3], Adjacency::new(3, &[[0, 1, 2]]));
-        let body = Collider {
-            vertices: &skin,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = limb(&skin, &normals, &ring);
         let statics = StaticPass { edges: vec![[0, 1]], ..StaticPass::default() };
         let mut cloth = [Vec3::new(0.0, 0.015, 0.0), Vec3::new(0.06, 0.015, 0.0)];
         let mut lack = |rest: f32| {

@@ -144,7 +144,7 @@ mod tests {
     use crate::fitted::Coarse;
     use crate::graph::OutfitGraph;
     use crate::settle::Hanging;
-    use crate::test_meshes::sheet;
+    use crate::test_meshes::{limb, sheet};
     use toile_geometry::mesh::{Adjacency, edges};
 
     /// A sheet of 1 cm quads whose nodes all know the one vertex of a body.
@@ -209,14 +209,7 @@ mod tests {
         let (statics, fitted) = cloth();
         let mut positions = fitted.rest.clone();
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider {
-            vertices: &skin,
-            normals: &skin,
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = limb(&skin, &skin, &ring);
         straighten(&statics, &fitted, &body, &mut positions, sweeps(statics.edges.len()));
         assert!(positions.iter().zip(&fitted.rest).all(|(p, q)| p.distance(*q) < 1e-6));
     }

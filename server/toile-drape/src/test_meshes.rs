@@ -1,7 +1,9 @@
 //! Sheets and tubes of cloth, and ground, for tests.
 
 use glam::Vec3;
+use toile_geometry::mesh::Adjacency;
 
+use crate::contact::Collider;
 use crate::outfit::{Garment, Outfit};
 
 /// A square sheet in the ground plane, `side` vertices of 1 cm each way.
@@ -47,4 +49,9 @@ pub fn tube(radius: f32, height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         [[i, i + around, next], [next, i + around, next + around]]
     };
     ((0..around * rows).map(at).collect(), (0..around * (rows - 1)).flat_map(quad).collect())
+}
+
+/// A surface of one limb, without folds and feet.
+pub fn limb<'a>(vertices: &'a [Vec3], normals: &'a [Vec3], ring: &'a Adjacency) -> Collider<'a> {
+    Collider { vertices, normals, ring, facing: &[], cells: None, feet: [&[]; 2] }
 }

@@ -125,20 +125,14 @@ mod tests {
 
     use super::*;
     use crate::settle::tests::hung;
+    use crate::test_meshes::limb;
 
     /// A tube 30 cm wide and 50 cm high at rest, and where it falls from where it is `posed`, around a body that is one
     /// vertex; `clearance` of all its vertices at rest, metres.
     fn fallen(clearance: f32, posed: impl Fn(&Vec3) -> Vec3) -> (Vec<Vec3>, Vec<Vec3>) {
         let (statics, fitted) = hung(clearance);
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
-        let body = Collider {
-            vertices: &skin,
-            normals: &[Vec3::NEG_Y],
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = limb(&skin, &[Vec3::NEG_Y], &ring);
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(posed).collect();
         let moves = fitted.hanging.fall(&statics, &body, &fitted.node_edges.at(&positions));
         fitted.node_edges.carry(&statics, &moves, &mut positions);

@@ -96,6 +96,7 @@ mod tests {
     use super::*;
     use crate::settle::hanging::means;
     use crate::settle::tests::hung;
+    use crate::test_meshes::limb;
 
     /// How far the clusters of a tube 30 cm wide are lifted, and where from, by a ball of 6 cm around `x`, metres,
     /// whose first vertex is the farthest `out` or in, 1 or -1.
@@ -114,14 +115,7 @@ mod tests {
         let triangles: Vec<[u32; 3]> = (0..64).flat_map(quad).collect();
         let vertices: Vec<Vec3> = normals.iter().map(|n| centre + *n * 0.06).collect();
         let ring = Adjacency::new(vertices.len(), &triangles);
-        let body = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = limb(&vertices, &normals, &ring);
         let (statics, fitted) = hung(0.1);
         let (hanging, nodes) = (&fitted.hanging, fitted.node_edges.at(&fitted.rest));
         let before: Vec<Vec3A> = means(&hanging.members, &nodes).into_iter().map(Vec3A::from).collect();

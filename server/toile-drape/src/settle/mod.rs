@@ -49,7 +49,7 @@ mod tests {
     use crate::static_pass::NodeRig;
     use crate::straighten::NodeEdges;
     use crate::stretch::interleaved;
-    use crate::test_meshes::tube;
+    use crate::test_meshes::{limb, tube};
 
     /// A tube 30 cm wide and 50 cm high whose vertices all have the same `clearance` at rest, metres.
     pub(super) fn hung(clearance: f32) -> (StaticPass, Fitted) {
@@ -80,14 +80,7 @@ mod tests {
         let squeezed = |p: &Vec3| Vec3::new(0.94 * p.x, p.y, 0.94 * p.z);
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(squeezed).collect();
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
-        let body = Collider {
-            vertices: &skin,
-            normals: &[Vec3::NEG_Y],
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = limb(&skin, &[Vec3::NEG_Y], &ring);
         settle(&statics, &fitted, &body, &mut positions);
         let away: Vec<f32> = positions.iter().map(|p| p.with_y(0.0).length()).collect();
         let mean = away.iter().sum::<f32>() / away.len() as f32;
