@@ -207,27 +207,23 @@ mod tests {
         );
     }
 
+    /// A sheet that faces up and another, some metres above it, without edges, that faces another way.
+    fn two_sheets(above: f32, facing: Vec3) -> (Vec<Vec3>, Vec<Vec3>, Adjacency) {
+        let (floor, triangles) = sheet(10);
+        let normals = [vec![Vec3::Y; floor.len()], vec![facing; floor.len()]].concat();
+        let other = floor.iter().map(|p| *p + Vec3::Y * above);
+        let vertices: Vec<Vec3> = floor.iter().copied().chain(other).collect();
+        let ring = Adjacency::new(vertices.len(), &triangles);
+        (vertices, normals, ring)
+    }
+
     #[test]
     fn cloth_in_a_limb_that_it_does_not_know_finds_its_way_out() {
-        let (floor, triangles) = sheet(10);
-        let count = floor.len() as u32;
-        let ceiling = floor.iter().map(|p| *p + Vec3::Y * 0.026);
-        let vertices: Vec<Vec3> = floor.iter().copied().chain(ceiling).collect();
-        let normals: Vec<Vec3> =
-            (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
-        let ring = Adjacency::new(vertices.len(), &triangles);
+        let (vertices, normals, ring) = two_sheets(0.026, Vec3::NEG_Y);
         let cells = SkinCells::new(&vertices, &normals);
-        let cells = Some(&cells);
-        let surface = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells,
-            feet: [&[]; 2],
-        };
+        let surface = Collider { cells: Some(&cells), ..limb(&vertices, &normals, &ring) };
         let way = |height: f32| {
-            let point = floor[44] + Vec3::Y * height;
+            let point = vertices[44] + Vec3::Y * height;
             let known = surface.contact(point, &[44]);
             let way = surface.way_out_of_another(point, &known, 0.001);
             surface.may_be_in_another(point, &known).then_some(way).flatten()
@@ -236,28 +232,16 @@ mod tests {
         assert!(out.distance(Vec3::NEG_Y * 0.006) < 1e-6, "{out}");
         assert_eq!(way(0.0255), None, "in front of both");
         assert_eq!(way(-0.002), None, "that is for its own limb");
-        assert!(cells.is_some_and(|cells| cells.at(floor[44] + Vec3::Y * 0.048).is_some()));
+        assert!(cells.at(vertices[44] + Vec3::Y * 0.048).is_some());
         assert_eq!(way(0.048), None, "it has passed through");
     }
 
     #[test]
     fn cloth_in_a_foot_that_knows_the_shin_finds_its_way_out() {
-        let (shin, triangles) = sheet(10);
-        let foot = shin.iter().map(|p| *p + Vec3::Y * 0.03);
-        let vertices: Vec<Vec3> = shin.iter().copied().chain(foot).collect();
-        let normals = vec![Vec3::Y; vertices.len()];
-        let ring = Adjacency::new(vertices.len(), &triangles);
+        let (vertices, normals, ring) = two_sheets(0.03, Vec3::Y);
         let cells = SkinCells::new(&vertices, &normals);
-        let cells = Some(&cells);
-        let surface = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells,
-            feet: [&[]; 2],
-        };
-        let point = shin[44] + Vec3::Y * 0.026;
+        let surface = Collider { cells: Some(&cells), ..limb(&vertices, &normals, &ring) };
+        let point = vertices[44] + Vec3::Y * 0.026;
         let known = surface.contact(point, &[44]);
         assert!(surface.may_be_in_another(point, &known), "the foot is near the shin and faces the same way");
         let out = surface.way_out_of_another(point, &known, 0.001).expect("a way out");
@@ -266,27 +250,15 @@ mod tests {
 
     #[test]
     fn in_a_fold_both_surfaces_are_asked() {
-        let (floor, triangles) = sheet(10);
-        let count = floor.len() as u32;
-        let ceiling = floor.iter().map(|p| *p - Vec3::Y * 0.002);
-        let vertices: Vec<Vec3> = floor.iter().copied().chain(ceiling).collect();
-        let normals: Vec<Vec3> =
-            (0..2 * count).map(|v| if v < count { Vec3::Y } else { Vec3::NEG_Y }).collect();
-        let ring = Adjacency::new(vertices.len(), &triangles);
+        let (vertices, normals, ring) = two_sheets(-0.002, Vec3::NEG_Y);
+        let count = vertices.len() as u32 / 2;
         let facing: Vec<u32> = (0..2 * count).map(|v| (v + count) % (2 * count)).collect();
-        let surface = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &facing,
-            cells: None,
-            feet: [&[]; 2],
-        };
-        let contact = surface.contact(floor[44] - Vec3::Y * 0.0005, &[44]);
+        let surface = Collider { facing: &facing, ..limb(&vertices, &normals, &ring) };
+        let contact = surface.contact(vertices[44] - Vec3::Y * 0.0005, &[44]);
         assert!((contact.distance + 0.0005).abs() < 1e-6);
         assert!((contact.across + 0.0015).abs() < 1e-6, "{contact:?}");
         assert_eq!(contact.across_normal, Vec3::NEG_Y);
-        let far = surface.contact(floor[44] + Vec3::Y * 0.1, &[44]);
+        let far = surface.contact(vertices[44] + Vec3::Y * 0.1, &[44]);
         assert_eq!(far.across, f32::INFINITY, "out of the fold's reach");
     }
 }

@@ -183,14 +183,7 @@ mod tests {
             now.iter().zip(&fitted.lengths).map(|(n, r)| (n / r - 1.0).abs()).sum::<f32>() / now.len() as f32
         };
         let (skin, ring) = ([Vec3::ZERO], Adjacency::new(1, &[]));
-        let body = Collider {
-            vertices: &skin,
-            normals: &skin,
-            ring: &ring,
-            facing: &[other],
-            cells: None,
-            feet: [&[]; 2],
-        };
+        let body = Collider { facing: &[other], ..limb(&skin, &skin, &ring) };
         let before = mean(&positions);
         straighten(&statics, &fitted, &body, &mut positions, sweeps(statics.edges.len()));
         (before, mean(&positions))

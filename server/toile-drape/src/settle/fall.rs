@@ -30,10 +30,11 @@ const NEAR: f32 = 0.03;
 impl Hanging {
     /// How far each node falls from `positions`, world metres.
     #[must_use]
-    pub fn fall(&self, statics: &StaticPass, body: &Collider<'_>, positions: &[Vec3]) -> Vec<Vec3> {
+    pub(super) fn fall(&self, statics: &StaticPass, feet: &Feet<'_>, positions: &[Vec3]) -> Vec<Vec3> {
+        let body = feet.body;
         let before = means(&self.members, positions);
         let mut p: Vec<Vec3A> = before.iter().copied().map(Vec3A::from).collect();
-        let mut skin = self.skin(statics, body, &p);
+        let mut skin = self.skin(statics, feet, &p);
         self.lift(statics, body, positions, &mut skin, &mut p);
         for step in 0..STEPS + REST {
             let left = (1.0 - step as f32 / STEPS as f32).max(0.0);
@@ -54,13 +55,12 @@ impl Hanging {
     }
 
     /// The skin near clusters at `p`.
-    pub(super) fn skin(&self, statics: &StaticPass, body: &Collider<'_>, p: &[Vec3A]) -> Skin {
+    pub(super) fn skin(&self, statics: &StaticPass, feet: &Feet<'_>, p: &[Vec3A]) -> Skin {
         let mut contacts = vec![Contact::far(f32::INFINITY); p.len()];
-        let feet = Feet::of(body);
         for c in self.clusters() {
             let node = self.members[c].first().map_or(0, |n| *n as usize);
             let near = statics.candidates.get(node * CANDIDATES..(node + 1) * CANDIDATES).unwrap_or(&[]);
-            contacts[c] = feet.or_foot(p[c].into(), body.contact(p[c].into(), near));
+            contacts[c] = feet.or_foot(p[c].into(), feet.body.contact(p[c].into(), near));
         }
         Skin { last: p.to_vec(), contacts }
     }
@@ -134,7 +134,7 @@ mod tests {
         let (skin, ring) = ([Vec3::Y * 9.0], Adjacency::new(1, &[]));
         let body = limb(&skin, &[Vec3::NEG_Y], &ring);
         let mut positions: Vec<Vec3> = fitted.rest.iter().map(posed).collect();
-        let moves = fitted.hanging.fall(&statics, &body, &fitted.node_edges.at(&positions));
+        let moves = fitted.hanging.fall(&statics, &Feet::of(&body), &fitted.node_edges.at(&positions));
         fitted.node_edges.carry(&statics, &moves, &mut positions);
         (fitted.rest, positions)
     }

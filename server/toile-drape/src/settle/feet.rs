@@ -24,7 +24,7 @@ const ROUNDS: usize = 5;
 
 /// The feet of a posed body.
 pub(super) struct Feet<'a> {
-    body: &'a Collider<'a>,
+    pub(super) body: &'a Collider<'a>,
     feet: [Foot; 2],
 }
 
@@ -122,7 +122,7 @@ mod tests {
 
     use super::*;
     use crate::settle::tests::hung;
-    use crate::test_meshes::sheet;
+    use crate::test_meshes::{limb, sheet};
 
     #[test]
     fn cloth_over_a_foot_sees_it_from_where_it_knows_the_shin() {
@@ -135,14 +135,7 @@ mod tests {
             [0, count].iter().flat_map(|n| triangles.iter().map(move |t| t.map(|v| v + n))).collect();
         let ring = Adjacency::new(vertices.len(), &both);
         let foot: Vec<u32> = (0..count).collect();
-        let body = Collider {
-            vertices: &vertices,
-            normals: &normals,
-            ring: &ring,
-            facing: &[],
-            cells: None,
-            feet: [&foot, &[]],
-        };
+        let body = Collider { feet: [&foot, &[]], ..limb(&vertices, &normals, &ring) };
         let feet = Feet::of(&body);
         let seen = |p: Vec3| feet.or_foot(p, body.contact(p, &[count]));
         let under = floor[44] - Vec3::Y * 0.004;
@@ -153,6 +146,7 @@ mod tests {
         let above = Vec3::new(0.09, 0.06, 0.05);
         assert!(seen(above).hit.is_some_and(|v| v >= count), "no foot is looked for from far away");
     }
+
     #[test]
     fn toes_that_came_through_a_hem_end_up_behind_it() {
         let (statics, fitted) = hung(0.1);
@@ -165,9 +159,7 @@ mod tests {
         let normals = vec![Vec3::Y; vertices.len()];
         let ring = Adjacency::new(vertices.len(), &triangles);
         let foot: Vec<u32> = (0..vertices.len() as u32).collect();
-        let feet = [foot.as_slice(), &[]];
-        let body =
-            Collider { vertices: &vertices, normals: &normals, ring: &ring, facing: &[], cells: None, feet };
+        let body = Collider { feet: [&foot, &[]], ..limb(&vertices, &normals, &ring) };
         let mut moves = vec![Vec3::ZERO; nodes.len()];
         Feet::of(&body).lift(&fitted.hanging, &statics, &nodes, &mut moves);
         let at_toe = |p: &Vec3| p.x > 0.1 && (p.y - 0.2).abs() < 0.006 && p.z.abs() < 0.03;

@@ -94,6 +94,7 @@ mod tests {
     use toile_geometry::mesh::Adjacency;
 
     use super::*;
+    use crate::settle::feet::Feet;
     use crate::settle::hanging::means;
     use crate::settle::tests::hung;
     use crate::test_meshes::limb;
@@ -119,7 +120,7 @@ mod tests {
         let (statics, fitted) = hung(0.1);
         let (hanging, nodes) = (&fitted.hanging, fitted.node_edges.at(&fitted.rest));
         let before: Vec<Vec3A> = means(&hanging.members, &nodes).into_iter().map(Vec3A::from).collect();
-        let (mut skin, mut p) = (hanging.skin(&statics, &body, &before), before.clone());
+        let (mut skin, mut p) = (hanging.skin(&statics, &Feet::of(&body), &before), before.clone());
         hanging.lift(&statics, &body, &nodes, &mut skin, &mut p);
         before.iter().zip(p).map(|(before, p)| (*before, p - before)).collect()
     }

@@ -27,14 +27,15 @@ pub fn settle(statics: &StaticPass, fitted: &Fitted, body: &Collider<'_>, positi
         return;
     }
     let mut at = nodes.at(positions);
-    let mut moves = hanging.fall(statics, body, &at);
+    let feet = Feet::of(body);
+    let mut moves = hanging.fall(statics, &feet, &at);
     nodes.carry_nodes(statics, &moves, &mut at);
     let raised: Vec<Vec3> =
         statics.settle.normals(&at).zip(hanging.flutes(statics, &at)).map(|(n, height)| n * height).collect();
     for places in [&mut moves, &mut at] {
         places.iter_mut().zip(&raised).for_each(|(place, raised)| *place += raised);
     }
-    Feet::of(body).lift(hanging, statics, &at, &mut moves);
+    feet.lift(hanging, statics, &at, &mut moves);
     nodes.carry(statics, &moves, positions);
 }
 
