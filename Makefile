@@ -220,13 +220,16 @@ train-garnet: $(MODEL_TOOLS)
 evaluate-garnet: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_garnet
 
-train-pixel: $(MODEL_TOOLS)
+# From relaxed drapes first, because they are the more for the same time, then from simulated ones.
+train-pixel: build $(TEACHER_TOOLS)
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 0 --parts 2 & \
 		../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 1 --parts 2; made=$$?; wait; exit $$made; }
 	cd model && ../$(MODEL_VENV)/bin/python -m train_pixel
+	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m teacher.pixel_drapes
+	cd model && ../$(MODEL_VENV)/bin/python -m train_pixel $(SIMULATED_PIXEL) --resume runs/pixel/tee_l1.pt
 
 evaluate-pixel: $(MODEL_TOOLS)
-	cd model && ../$(MODEL_VENV)/bin/python -m shipped && ../$(MODEL_VENV)/bin/python -m evaluate_pixel
+	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_pixel
 
 SERVER ?= http://$(LISTEN)
 bake: $(MODEL_TOOLS)
@@ -234,7 +237,7 @@ bake: $(MODEL_TOOLS)
 	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m bake "$(OUTFIT)" --server "$(SERVER)"
 
 MINUTES ?= 90
-hero: $(MODEL_TOOLS)
+hero: build $(TEACHER_TOOLS)
 	@test -n "$(OUTFIT)" || { echo "say which outfit: make hero OUTFIT=file.glb, or its id (GET /v1/outfits lists them)" >&2; exit 1; }
 	outfit="$(OUTFIT)"; if [ -f "$$outfit" ]; then outfit=$$(realpath "$$outfit"); fi; \
 		cd model && ../$(MODEL_VENV)/bin/python -m hero "$$outfit" --server "$(SERVER)" --minutes $(MINUTES)

@@ -1,8 +1,8 @@
 """How near pixel cloth comes to drapes in captured movement: `python -m evaluate_motion FILE.bvh --frames 24`.
 
-Frames spread over a clip, the T-shirt relaxed in each as for training (`pixel_data`), beside skinning and DeePSD (Jin
-et al. 2020, Figure 15). The legs stand still, as in training; frames in which the body meets itself are left out. With
---save, also a picture of some frames.
+Frames spread over a clip, the T-shirt simulated in each as for training (`teacher.pixel_drapes`), beside skinning and
+DeePSD (Jin et al. 2020, Figure 15). The legs stand still, as in training; frames in which the body meets itself are
+left out. With --save, also a picture of some frames.
 """
 
 from __future__ import annotations
@@ -18,37 +18,35 @@ from body.anny_body import AnnyBody
 from body.clearance import sample_bodies
 from body.motion_capture import read_bvh
 from captured import Pose, frames
-from pixel_data import Drapes, Maker, in_poses, load, shirt
+from pixel_data import Drapes, shirt, worn
 from pixel_filter import offsets_of
 from pixel_poses import LEGS
 from pixel_scenes import draped, scenes
-from pixel_tables import deepsd, filter_of, off, trained
+from pixel_tables import deepsd, off, served
 from relax import skinned
 from teacher.checks import Limits
+from teacher.garment import simulated
 from train_pixel import answers
-from training_data import Sample
+from training_data import DATA, Sample
 
 #: Joints that stand still.
 STILL = (*LEGS, "leftFoot", "rightFoot")
 
 
-def relaxed(poses: list[Pose], device: str, batch: int) -> tuple[Sample, Drapes]:
+def at_rest(sample: Sample, poses: list[Pose]) -> Drapes:
     """The T-shirt in poses, without drapes that are at fault."""
-    maker = Maker(shirt(), device)
-    entry = in_poses(maker.bank, poses)
-    x, found = maker.make(entry, batch)
+    entry, x, found = simulated(worn(sample), poses, DATA / "motion")
     faults = [j.fault(Limits()) for j in found]
     rows = torch.tensor([k for k, fault in enumerate(faults) if fault is None], dtype=torch.long)
     print(f"{len(rows)} drapes good, the others: {', '.join(filter(None, faults)) or 'none'}")
-    return maker.sample, Drapes(torch.as_tensor(x)[rows], entry.transforms[rows], rows)
+    return Drapes(torch.as_tensor(x)[rows], entry.transforms[rows], rows)
 
 
 @torch.no_grad()
 def ways(sample: Sample, drapes: Drapes) -> dict[str, Tensor]:
     """Cloth of every way to drape, (D, N, 3) each, before any resolve."""
-    garment, net = trained(sample)
+    garment, net, smooth = served(sample)
     data = scenes(garment, drapes, "reference")
-    smooth = filter_of(net, garment, {split: load(split) for split in ("train", "validation")})
     offsets = smooth.apply(offsets_of(answers(net, garment, data), garment, data))
     rest = sample.vertices.expand(len(drapes.x), -1, -1)
     return {
@@ -59,14 +57,14 @@ def ways(sample: Sample, drapes: Drapes) -> dict[str, Tensor]:
 
 
 def picture(path: Path, sample: Sample, drapes: Drapes, found: dict[str, Tensor], rows: int) -> None:
-    """Some drapes, one a row, every way beside the relaxed cloth."""
+    """Some drapes, one a row, every way beside the simulated cloth."""
     # Drawing is not among what training needs.
     from figures.drawing import CLOTH, Drawn, cell, grid
     from figures.pixel_cloth import bodies
 
     some = np.linspace(0, len(drapes.x) - 1, min(rows, len(drapes.x))).astype(int)
     skin, faces, cloth = bodies(drapes).numpy(), AnnyBody.load().triangles, sample.tables[2].numpy()
-    columns = {**found, "relaxed": drapes.x}
+    columns = {**found, "simulated": drapes.x}
     dressed = lambda k, x: cell([Drawn(skin[k], faces), Drawn(x[k].numpy(), cloth, CLOTH[0])])  # noqa: E731
     path.parent.mkdir(parents=True, exist_ok=True)
     grid([[dressed(k, x) for x in columns.values()] for k in some], tuple(columns)).save(path)
@@ -77,13 +75,12 @@ def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("clip", type=Path, metavar="FILE.bvh")
     p.add_argument("--frames", type=int, default=24)
-    p.add_argument("--device", default="cpu", help="what drapes are relaxed on")
-    p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
     p.add_argument("--save", type=Path, metavar="DIR", help="where to put a picture of some frames")
     a = p.parse_args()
     # Of the reference body alone, which is what drapes are on: a heavy one would have its arms lifted further.
     poses = frames(read_bvh(a.clip.read_text()), a.frames, sample_bodies()[:1], STILL)
-    sample, drapes = relaxed(poses, a.device, a.batch)
+    sample = shirt()
+    drapes = at_rest(sample, poses)
     found = ways(sample, drapes)
     print("\n| | error cm | degrees |\n|---|---:|---:|")
     for name, x in found.items():

@@ -23,7 +23,6 @@ from outfits.body_fields import body_fields
 from outfits.garnet_garments import garnet_garment
 from outfits.mesh import GarmentMesh
 from outfits.panels import front_and_back
-from pixel_data import files
 from pixel_tables import tables
 
 #: Vertices per square metre: 2.7 thousand vertices.
@@ -71,8 +70,7 @@ def main() -> None:
         off = 1e3 * np.linalg.norm(back - values, axis=1)
         print(f"| {name} | {off.mean():.2f} | {np.percentile(off, 99):.2f} | {off.max():.2f} |")
     print(f"\n{wrapping(garment)}\n{symmetry(garment)}")
-    if next(files()).exists():
-        tables()
+    tables()
 
 
 if __name__ == "__main__":

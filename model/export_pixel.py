@@ -18,7 +18,7 @@ from torch.nn import functional
 from export import ARTIFACTS, GraphSpec, Port, export_method
 from garment.binding import garment_joint_names
 from nets.pixel_cloth import OFFSET_UNIT, PixelCloth
-from pixel_data import load, shirt
+from pixel_data import SIMULATED, shirt
 from pixel_filter import Filter
 from pixel_poses import JOINTS
 from pixel_scenes import Garment, mask
@@ -99,7 +99,7 @@ def main() -> None:
         raise SystemExit("no trained network to export: run `make train-pixel` first")
     sample = shirt()
     garment, net = trained(sample)
-    smooth = filter_of(net, garment, {split: load(split) for split in ("train", "validation")})
+    smooth = filter_of(net, garment, SIMULATED.load())
     export_method(METHOD, [spec()], a.out)
     save_file(tables(sample, garment, net, smooth), a.out / METHOD / f"{NAME}.safetensors")
 

@@ -36,7 +36,8 @@ from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_sampl
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
-GARNET = DATA / "garnet"
+#: Relaxed drapes, and simulated ones (`teacher.garnet_drapes`).
+GARNET, SIMULATED = DATA / "garnet", DATA / "garnet_simulated"
 #: Steps of a relaxation: the map must repeat, so cloth comes nearer to rest than targets of DeePSD need.
 STEPS = 640
 

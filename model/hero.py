@@ -1,6 +1,6 @@
 """Train pixel cloth on an outfit of one garment: `python -m hero FILE_OR_ID --server http://127.0.0.1:8080`.
 
-The outfit's UVs are its sewing pattern, an image for each island. It is relaxed in sampled poses of the reference
+The outfit's UVs are its sewing pattern, an image for each island. It is simulated in sampled poses of the reference
 body, a decoder learns to draw these drapes (Jin et al. 2020), and the server gets what it learned: from then on the
 outfit has the method `pixel_cloth`. Drapes are kept under `data/heroes`; a run that was stopped goes on with them.
 """
@@ -27,7 +27,8 @@ from body.pose_sampling import sample_poses
 from garment.binding import garment_joint_names
 from garment.mirror import asymmetry, opposite
 from garment.uv_panels import uv_panels
-from pixel_data import Drapes, Maker, good, in_poses, keep
+from outfits.mesh import GarmentMesh
+from pixel_data import Drapes, good, in_poses, keep, worn
 from pixel_filter import Filter, offsets_of
 from pixel_poses import JOINTS, WHOLE_BODY, upper_body_poses
 from pixel_scenes import Garment, Scenes, draped, scenes
@@ -38,10 +39,8 @@ from train_pixel import Settings, answers, learn, network
 from training_data import DATA, BodyBank, Sample, carry
 
 ARTIFACTS = Path(__file__).parent / "artifacts"
-#: Poses to relax the cloth in at most, of a file, and the seed of the first file's.
-COUNT, CHUNK, SEED = 2000, 8, 9_500
-#: Steps of a relaxation: half of what the shipped T-shirt's had, for twice as many drapes an hour.
-STEPS = 320
+#: Poses to simulate the cloth in at most, of a file, and the seed of the first file's.
+COUNT, CHUNK, SEED = 2000, 4, 9_500
 #: Share of the time that drapes are made in.
 MAKING = 0.5
 #: m below the hips from which a garment moves with the legs, and by which one may differ from its mirror image (99 %).
@@ -81,29 +80,21 @@ def task(name: str, tensors: dict[str, NDArray]) -> Task:
     return Task(name, tensors["positions"].reshape(-1, 3), sample, rig, garment)
 
 
-class Relaxer:
-    """What a process needs to relax an outfit, made once."""
+def make(garment: GarmentMesh, path: Path, number: int, is_upper: bool) -> None:
+    """Simulates one chunk, in poses of the upper body or of everything."""
+    # Only simulation needs its tools.
+    from teacher.garment import simulated
 
-    maker: Maker
-
-    @classmethod
-    def start(cls, tensors: dict[str, NDArray]) -> None:
-        torch.set_num_threads(1)
-        cls.maker = Maker(read(tensors)[0], steps=STEPS)
-
-    @classmethod
-    def make(cls, path: Path, number: int, is_upper: bool) -> None:
-        """One chunk, in poses of the upper body or of everything."""
-        entry = in_poses(cls.maker.bank, (upper_body_poses if is_upper else sample_poses)(CHUNK, SEED + number))
-        keep(path, entry, *cls.maker.make(entry, CHUNK))
+    poses = (upper_body_poses if is_upper else sample_poses)(CHUNK, SEED + number)
+    keep(path, *simulated(garment, poses, path.parent / "scratch" / path.stem))
 
 
-def relax(it: Task, tensors: dict[str, NDArray], seconds: float) -> Drapes:
-    """The outfit relaxed in as many poses as time allows, on two cores; chunks that are there are kept."""
+def simulate(it: Task, seconds: float) -> Drapes:
+    """The outfit at rest in as many poses as time allows, on two cores; chunks that are there are kept."""
     started, paths, is_upper = time.time(), it.files(), it.garment.joints == JOINTS
     missing = iter([k for k, path in enumerate(paths) if not path.exists()])
-    with ProcessPoolExecutor(2, get_context("spawn"), Relaxer.start, (tensors,)) as pool:
-        submit = lambda k: pool.submit(Relaxer.make, paths[k], k, is_upper)  # noqa: E731
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        submit = lambda k: pool.submit(make, worn(it.sample), paths[k], k, is_upper)  # noqa: E731
         running = {submit(k) for k, _ in zip(missing, range(2), strict=False)}
         while running:
             done = next(as_completed(running))
@@ -111,7 +102,7 @@ def relax(it: Task, tensors: dict[str, NDArray], seconds: float) -> Drapes:
             done.result()
             there = CHUNK * sum(path.exists() for path in paths)
             left = max(0.0, seconds - (time.time() - started))
-            tell(f"relaxed in {there} of {CHUNK * len(paths)} poses, {left / 60:.0f} min left for it", started)
+            tell(f"simulated in {there} of {CHUNK * len(paths)} poses, {left / 60:.0f} min left for it", started)
             if left > 0 and (k := next(missing, None)) is not None:
                 running.add(submit(k))
     return good(paths, CHUNK)
@@ -174,7 +165,7 @@ def main() -> None:
         raise SystemExit(str(error)) from error
     print(f"{len(it.positions)} vertices in {it.garment.images} panels, {len(it.garment.joints)} joints", flush=True)
     started = time.time()
-    made = relax(it, tensors, 60 * MAKING * a.minutes)
+    made = simulate(it, 60 * MAKING * a.minutes)
     left = max(1.0, a.minutes - (time.time() - started) / 60)
     file = hero(it, made, started, Settings(left))
     report = json.loads(metadata(file)["report"])
@@ -185,6 +176,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    # Of the processes that relax, which have a core each.
+    # Of the processes that simulate, which have a core each.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     main()

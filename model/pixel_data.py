@@ -2,7 +2,8 @@
 
 The T-shirt of the method, or with `--garment tie` its necktie, on the reference body in sampled poses of the upper body
 (Jin et al. 2020, section 6), relaxed to the least energy of the cloth (`relax.py`). Seeded; chunks that are there
-already are kept, so a run can be stopped, and several runs with different `--part` share the work.
+already are kept, so a run can be stopped, and several runs with different `--part` share the work. The T-shirt is also
+simulated in these poses (`teacher.pixel_drapes`).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import argparse
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import astuple, dataclass, replace
 from itertools import islice
@@ -30,6 +31,7 @@ from devices import on
 from garment.mirror import mirrored_cloth, mirrored_joints, opposite
 from outfits.dataset import save
 from outfits.garnet_garments import garnet_garment
+from outfits.mesh import GarmentMesh
 from pixel_poses import upper_body_poses
 from posed_bodies import Bodies
 from relax import Worn, follow
@@ -39,14 +41,41 @@ from training_data import DATA, BodyBank, Sample, ShapedPoses, load_sample
 PIXEL = DATA / "pixel"
 #: Vertices per square metre: 2.7 thousand vertices.
 DENSITY = 3000
-#: Drapes, of a file, and their seed.
-COUNT, CHUNK, SEED = 5120, 64, 9_001
+#: Drapes at most and the seed of their poses.
+COUNT, SEED = 5120, 9_001
 #: Steps of a relaxation, as of `garnet_data`.
 STEPS = 640
 #: m from the body at which cloth neither lies on it nor is held by it.
 FREE = 0.05
 #: Every tenth drape each is for validation and for the test (section 6.3: 80/10/10).
 SPLITS = {"train": range(8), "validation": range(8, 9), "test": range(9, 10)}
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where drapes lie."""
+
+    folder: Path
+    chunk: int  # drapes of a file
+
+    def files(self, garment: str = "tee") -> list[Path]:
+        """Where each chunk lies, in the order of the poses."""
+        return [self.folder / garment / f"{k:03d}.npz" for k in range(COUNT // self.chunk)]
+
+    def has(self, garment: str = "tee") -> bool:
+        """Whether drapes have been made."""
+        return any(path.exists() for path in self.files(garment))
+
+    def load(self, garment: str = "tee") -> dict[str, Drapes]:
+        """Every good drape that is there, by split. Raises FileNotFoundError when there is none."""
+        if not self.has(garment):
+            raise FileNotFoundError(f"no drapes of the {garment} under {self.folder}: make them first")
+        drapes = good(self.files(garment), self.chunk)
+        return {split: drapes.of(split) for split in SPLITS}
+
+
+#: By this module, and by `teacher.pixel_drapes`.
+RELAXED, SIMULATED = Source(PIXEL, 64), Source(DATA / "pixel_simulated", 8)
 
 
 @dataclass(frozen=True)
@@ -85,6 +114,11 @@ def necktie(folder: Path = PIXEL) -> Sample:
     height = sample.vertices[:, 1]
     knot = torch.nonzero(height > height.max() - outfits.necktie.KNOT)[:, 0]
     return replace(sample, held=knot, distance=torch.full_like(sample.distance, FREE))
+
+
+def worn(sample: Sample) -> GarmentMesh:
+    """A sample's garment, its vertices in their order."""
+    return GarmentMesh("garment", "garment", 0, sample.vertices.double().numpy(), sample.tables[2].numpy())
 
 
 #: Garments by name.
@@ -133,19 +167,6 @@ def keep(path: Path, entry: ShapedPoses, x: NDArray[np.float32], found: list[Jud
     part.rename(path)
 
 
-def files(out: Path = PIXEL, garment: str = "tee") -> Iterator[Path]:
-    """Where each chunk lies, in the order of the poses."""
-    yield from (out / garment / f"{k:03d}.npz" for k in range(COUNT // CHUNK))
-
-
-def load(split: str, out: Path = PIXEL, garment: str = "tee") -> Drapes:
-    """Every good drape of a split that is there. Raises FileNotFoundError when there is none."""
-    paths = list(files(out, garment))
-    if not any(path.exists() for path in paths):
-        raise FileNotFoundError(f"no drapes of the {garment} under {out}: run `python -m pixel_data` first")
-    return good(paths, CHUNK).of(split)
-
-
 def good(paths: list[Path], chunk: int) -> Drapes:
     """Every good drape of those chunks that are there, `chunk` poses each."""
     rows = []
@@ -163,19 +184,18 @@ def main() -> None:
     p.add_argument("--minutes", type=float, default=60)
     p.add_argument("--part", type=int, default=0, help="which of every --parts chunks to make")
     p.add_argument("--parts", type=int, default=1)
-    p.add_argument("--out", type=Path, default=PIXEL)
     p.add_argument("--device", default="cpu")
     p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 64 for a GPU")
     p.add_argument("--workers", type=int, default=1, help="processes that judge drapes")
     a = p.parse_args()
-    maker, started, faults = Maker(GARMENTS[a.garment](a.out), a.device, a.workers), time.time(), Counter()
-    poses = upper_body_poses(COUNT, SEED)
-    for k, path in islice(enumerate(files(a.out, a.garment)), a.part, None, a.parts):
+    maker, started, faults = Maker(GARMENTS[a.garment](PIXEL), a.device, a.workers), time.time(), Counter()
+    poses, chunk = upper_body_poses(COUNT, SEED), RELAXED.chunk
+    for k, path in islice(enumerate(RELAXED.files(a.garment)), a.part, None, a.parts):
         if time.time() - started > 60 * a.minutes:
             break
         if path.exists():
             continue
-        entry = in_poses(maker.bank, poses[k * CHUNK : (k + 1) * CHUNK])
+        entry = in_poses(maker.bank, poses[k * chunk : (k + 1) * chunk])
         x, found = maker.make(entry, a.batch)
         keep(path, entry, x, found)
         faults.update(j.fault(Limits()) or "" for j in found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,20 +13,19 @@ from torch import Tensor
 
 import energies
 import garnet_losses
+import shipped
 import train_deepsd
 from fabric import Fabric
 from garment.rest_mesh import hinges, rest_mesh
-from nets.deepsd import Sizes
-from pixel_data import Drapes, in_poses, load, necktie, shirt
+from nets.pixel_cloth import PixelCloth
+from pixel_data import RELAXED, SIMULATED, Drapes, Source, in_poses, necktie, shirt
 from pixel_filter import COUNTS, Filter, offsets_of
-from pixel_scenes import Garment, Scenes, draped, scenes
+from pixel_scenes import Carrier, Garment, Scenes, draped, scenes
 from relax import skinned
 from train_pixel import RUNS, TEE, Run, answers, checkpoint, garment_of, network
 from training_data import BodyBank, Sample
 
-#: The repository's DeePSD, by `python -m shipped`.
-SHIPPED = RUNS.parent / "shipped.pt"
-#: Networks of section 8, trained for the same number of steps.
+#: Networks of section 8, trained on relaxed drapes for the same number of steps.
 SECTION_8 = RUNS / "section_8"
 #: What they are.
 COMPARED: tuple[tuple[str, Run], ...] = (
@@ -48,31 +48,34 @@ def off(x: Tensor, truth: Tensor, triangles: Tensor) -> str:
     return f"{error:.3f} | {garnet_losses.normal_angle(x, truth, triangles).item():.1f}"
 
 
-def section_8(sample: Sample, sets: dict[str, Drapes]) -> None:
-    """Errors of every network that has been trained."""
-    print("| | train cm | degrees | validation cm | degrees | test cm | degrees |\n|---|---:|---:|---:|---:|---:|---:|")
-    rows = [("shipped", Run(), RUNS), *((name, run, SECTION_8) for name, run in COMPARED)]
-    for name, run, folder in rows:
-        if checkpoint(run, folder).exists():
-            garment, net = trained(sample, run, folder)
-            data = {k: scenes(garment, d, run.carrier) for k, d in sets.items()}
-            cells = [off(answers(net, garment, s), s.truth, garment.triangles) for s in data.values()]
-            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+def errors(sets: dict[str, Drapes], rows: Iterable[tuple[str, Carrier, Garment, PixelCloth]]) -> None:
+    """Errors of networks on drapes of the kind that they learned."""
+    print("\n| | train cm | degrees | validation cm | degrees | test cm | degrees |")
+    print("|---|---:|---:|---:|---:|---:|---:|")
+    for name, carrier, garment, net in rows:
+        data = {k: scenes(garment, d, carrier) for k, d in sets.items()}
+        cells = [off(answers(net, garment, s), s.truth, garment.triangles) for s in data.values()]
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
 
-def sharpness(sample: Sample, sets: dict[str, Drapes]) -> None:
+def compared(sample: Sample) -> Iterator[tuple[str, Carrier, Garment, PixelCloth]]:
+    """Section 8's networks that have been trained."""
+    for name, run in COMPARED:
+        if checkpoint(run, SECTION_8).exists():
+            yield name, run.carrier, *trained(sample, run, SECTION_8)
+
+
+def sharpness(sample: Sample, drapes: Drapes) -> None:
     """Ways to drape the test's poses: error, and wrinkles as the drapes have them."""
-    drapes, mesh = sets["test"], rest_mesh(sample.vertices, sample.tables)
+    mesh = rest_mesh(sample.vertices, sample.tables)
     around = torch.as_tensor(garnet_losses.neighbourhoods(sample.vertices.numpy(), 16))
     ways = {"skinning": _skinned(sample, drapes), "deepsd": deepsd(sample, drapes)}
-    if checkpoint().exists():
-        garment, net = trained(sample)
-        data = scenes(garment, drapes, "reference")
-        ways["pixel cloth before the filter"] = answers(net, garment, data)
-        smooth = filter_of(net, garment, sets)
-        offsets = smooth.apply(offsets_of(ways["pixel cloth before the filter"], garment, data))
-        ways[f"pixel_cloth, {len(smooth.components)} components"] = draped(offsets, garment, data)
-    print("| | error cm | degrees | bend of the drapes' % | curvature off (RQ, mm4) |\n|---|---:|---:|---:|---:|")
+    garment, net, smooth = served(sample)
+    data = scenes(garment, drapes, "reference")
+    ways["pixel cloth before the filter"] = answers(net, garment, data)
+    offsets = smooth.apply(offsets_of(ways["pixel cloth before the filter"], garment, data))
+    ways[f"pixel_cloth, {len(smooth.components)} components"] = draped(offsets, garment, data)
+    print("\n| | error cm | degrees | bend of the drapes' % | curvature off (RQ, mm4) |\n|---|---:|---:|---:|---:|")
     bend = lambda x: energies.bending(x, mesh, Fabric()).mean().item()  # noqa: E731
     for name, x in ways.items():
         rayleigh = 1e12 * garnet_losses.rayleigh_curvature(x, drapes.x, around).item()
@@ -89,8 +92,6 @@ def filter_of(net: torch.nn.Module, garment: Garment, sets: dict[str, Drapes]) -
 
 def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
     """Patches before and after the filter, and how neighbours turn across their seams and elsewhere."""
-    if not checkpoint(Run(patched=True), SECTION_8).exists():
-        return
     garment, net = trained(sample, Run(patched=True), SECTION_8)
     whole = Garment.of(sample)
     said = {k: answers(net, garment, scenes(garment, d, "reference")) for k, d in sets.items() if k != "train"}
@@ -99,7 +100,7 @@ def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
     smooth = Filter.of(data["train"]).chosen(offsets["validation"], whole, data["validation"])
     filtered = draped(smooth.apply(offsets["test"]), whole, data["test"])
     seam, mesh = seams(sample, garment), rest_mesh(sample.vertices, sample.tables)
-    print("| | error cm | degrees | turn at seams, degrees | elsewhere |\n|---|---:|---:|---:|---:|")
+    print("\n| | error cm | degrees | turn at seams, degrees | elsewhere |\n|---|---:|---:|---:|---:|")
     test = {"drapes": data["test"].truth, "patches": said["test"], f"{len(smooth.components)} components": filtered}
     for name, x in test.items():
         turned = torch.rad2deg((energies.dihedral(x, mesh.hinges) - mesh.angle).abs())
@@ -119,17 +120,13 @@ def components(name: str, garment: Garment, smooth: Filter, said: dict[str, Tens
     print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
 
-def filters(sample: Sample, sets: dict[str, Drapes]) -> None:
-    """Figure 16: how many components of the training's drapes to keep, for the whole and for patches."""
-    whole, net = trained(sample)
+def filters(name: str, sample: Sample, sets: dict[str, Drapes], garment: Garment, net: PixelCloth) -> None:
+    """Figure 16: how many components of the training's drapes to keep of what a network says."""
+    whole = Garment.of(sample)
     data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
-    smooth = Filter.of(data["train"])
-    print(f"| validation / test, cm | {' | '.join(map(str, COUNTS))} |\n|---|{'---:|' * len(COUNTS)}")
-    components("whole", whole, smooth, {k: answers(net, whole, data[k]) for k in ("validation", "test")}, data)
-    if checkpoint(Run(patched=True), SECTION_8).exists():
-        garment, net = trained(sample, Run(patched=True), SECTION_8)
-        said = {k: answers(net, garment, scenes(garment, sets[k], "reference")) for k in ("validation", "test")}
-        components("patches", whole, smooth, said, data)
+    said = {k: answers(net, garment, scenes(garment, sets[k], "reference")) for k in ("validation", "test")}
+    print(f"\n| validation / test, cm | {' | '.join(map(str, COUNTS))} |\n|---|{'---:|' * len(COUNTS)}")
+    components(name, whole, Filter.of(data["train"]), said, data)
 
 
 def seams(sample: Sample, garment: Garment) -> Tensor:
@@ -150,10 +147,15 @@ def speed(sample: Sample) -> None:
             started = time.perf_counter()
             net(pose)
             times.append(time.perf_counter() - started)
-    print(f"decoder: {1e3 * float(np.median(times)):.1f} ms on one core")
+    print(f"\ndecoder: {1e3 * float(np.median(times)):.1f} ms on one core")
 
 
-def trained(sample: Sample, run: Run = TEE, folder: Path = RUNS) -> tuple[Garment, torch.nn.Module]:
+def served(sample: Sample) -> tuple[Garment, PixelCloth, Filter]:
+    """The T-shirt's images, and the network and filter that ship."""
+    return Garment.of(sample), *shipped.shipped_tee(shipped.some_poses())
+
+
+def trained(sample: Sample, run: Run = TEE, folder: Path = RUNS) -> tuple[Garment, PixelCloth]:
     """A run's garment and network."""
     garment = garment_of(run, sample)
     net = network(garment)
@@ -165,12 +167,10 @@ def trained(sample: Sample, run: Run = TEE, folder: Path = RUNS) -> tuple[Garmen
 @torch.no_grad()
 def deepsd(sample: Sample, drapes: Drapes) -> Tensor:
     """The shipped DeePSD, before any resolve."""
-    net = train_deepsd.DeePSD(Sizes())
-    net.load_state_dict(torch.load(SHIPPED)["net"])
-    bank = BodyBank(0, 0, 0)
+    net, bank = shipped.shipped().eval(), BodyBank(0, 0, 0)
     entry = replace(in_poses(bank, [{}]), transforms=drapes.transforms)
     every = torch.arange(len(drapes.x))
-    return train_deepsd.drape(net.eval(), sample, sample.vertices, entry, every, bank.parents).posed
+    return train_deepsd.drape(net, sample, sample.vertices, entry, every, bank.parents).posed
 
 
 def _skinned(sample: Sample, drapes: Drapes) -> Tensor:
@@ -183,10 +183,9 @@ def tie() -> None:
         return
     sample = necktie()
     garment, net = trained(sample, NECKTIE)
-    print("| necktie | drapes | from the body cm, mean | most | skinning cm | network cm | degrees |")
+    print("\n| necktie | drapes | from the body cm, mean | most | skinning cm | network cm | degrees |")
     print("|---|---:|---:|---:|---:|---:|---:|")
-    for split in ("train", "validation", "test"):
-        drapes = load(split, garment="tie")
+    for split, drapes in RELAXED.load("tie").items():
         data = scenes(garment, drapes, "reference")
         away = 100 * data.offsets.norm(dim=-1)
         rigid = 100 * (_skinned(sample, drapes) - drapes.x).norm(dim=-1).mean().item()
@@ -195,17 +194,25 @@ def tie() -> None:
 
 
 def tables() -> None:
-    sample = shirt()
-    sets = {split: load(split) for split in ("train", "validation", "test")}
-    print(f"\n{', '.join(f'{len(d.x)} {k}' for k, d in sets.items())} drapes\n")
-    section_8(sample, sets)
-    print()
-    sharpness(sample, sets)
-    print()
-    patches(sample, sets)
-    print()
-    filters(sample, sets)
-    print()
+    """Every table whose drapes and networks are there."""
+    sample, patched = shirt(), Run(patched=True)
+    if SIMULATED.has():
+        sets, (garment, net, _) = counted(SIMULATED, "simulated"), served(sample)
+        errors(sets, [("shipped", "reference", garment, net)])
+        sharpness(sample, sets["test"])
+        filters("shipped", sample, sets, garment, net)
+    if RELAXED.has():
+        sets = counted(RELAXED, "relaxed")
+        errors(sets, compared(sample))
+        if checkpoint(patched, SECTION_8).exists():
+            patches(sample, sets)
+            filters("patches", sample, sets, *trained(sample, patched, SECTION_8))
     tie()
-    print()
     speed(sample)
+
+
+def counted(source: Source, how: str) -> dict[str, Drapes]:
+    """Drapes by split, and a line on how many."""
+    sets = source.load()
+    print(f"\n{', '.join(f'{len(d.x)} {k}' for k, d in sets.items())} {how} drapes")
+    return sets

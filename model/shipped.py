@@ -1,7 +1,8 @@
-"""The shipped networks as a checkpoint to train on from: `python -m shipped --out runs/shipped.pt`.
+"""The shipped networks as checkpoints to train on from: `python -m shipped`.
 
-What is committed are ONNX graphs (`export.py`). Biased layers keep their names there; a layer without a bias becomes a
-product with its transposed matrix, whose node still tells the layer.
+What is committed of DeePSD are ONNX graphs (`export.py`). Biased layers keep their names there; a layer without a bias
+becomes a product with its transposed matrix, whose node still tells the layer. Of pixel cloth's T-shirt it is the
+weights, batch normalisation folded in (`export_pixel.py`).
 """
 
 from __future__ import annotations
@@ -12,11 +13,20 @@ from pathlib import Path
 import onnx
 import torch
 from onnx import numpy_helper
-from torch import Tensor
+from safetensors.numpy import load_file
+from torch import Tensor, nn
 
+import nets.deepsd
 from export import ARTIFACTS
-from nets.deepsd import Sizes
+from nets.pixel_cloth import OFFSET_UNIT, PixelCloth, Sizes
+from pixel_data import SEED, in_poses
+from pixel_filter import Filter
+from pixel_poses import pose_matrices, upper_body_poses
 from train_deepsd import RUNS, DeePSD
+from training_data import BodyBank
+
+#: In which pixel cloth's layers are measured.
+POSES = 128
 
 
 def weights(graph: Path) -> dict[str, Tensor]:
@@ -33,19 +43,48 @@ def weights(graph: Path) -> dict[str, Tensor]:
 
 def shipped(artifacts: Path = ARTIFACTS) -> DeePSD:
     """The shipped DeePSD. Raises RuntimeError where the graphs and the network's sizes differ."""
-    net, folder = DeePSD(Sizes()), artifacts / "deepsd"
+    net, folder = DeePSD(nets.deepsd.Sizes()), artifacts / "deepsd"
     net.static.load_state_dict(weights(folder / "static.onnx"))
     net.coefficients.load_state_dict(weights(folder / "dynamic.onnx"))
     return net
 
 
+@torch.no_grad()
+def shipped_tee(poses: Tensor, artifacts: Path = ARTIFACTS) -> tuple[PixelCloth, Filter]:
+    """The T-shirt's decoder, its layers normalised by what they have in some poses (P, POSE), and its filter."""
+    kept = {k: torch.as_tensor(v) for k, v in load_file(artifacts / "pixel_cloth" / "tee.safetensors").items()}
+    net, x = PixelCloth(Sizes()), poses[..., None, None]
+    *convolutions, last = (layer for layer in net.layers if isinstance(layer, nn.ConvTranspose2d))
+    norms = [layer for layer in net.layers if isinstance(layer, nn.BatchNorm2d)]
+    for k, (convolution, norm) in enumerate(zip(convolutions, norms, strict=True)):
+        convolution.weight.copy_(kept[f"weight{k}"])
+        x = convolution(x)
+        variance, mean = torch.var_mean(x, (0, 2, 3), correction=0)
+        norm.running_var.copy_(variance)
+        norm.running_mean.copy_(mean)
+        norm.weight.copy_((variance + norm.eps).sqrt())
+        norm.bias.copy_(kept[f"bias{k}"] + mean)
+        x = torch.relu(norm.eval()(x))
+    last.weight.copy_(kept[f"weight{len(norms)}"] / OFFSET_UNIT)
+    last.bias.copy_(kept[f"bias{len(norms)}"] / OFFSET_UNIT)
+    return net.eval(), Filter(kept["filter_mean"], kept["filter"])
+
+
+def some_poses() -> Tensor:
+    """What pixel cloth sees of poses that it learned in, (POSES, POSE)."""
+    return pose_matrices(in_poses(BodyBank(0, 0, 0), upper_body_poses(POSES, SEED)).transforms)
+
+
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--out", type=Path, default=RUNS / "shipped.pt")
+    p.add_argument("--out", type=Path, default=RUNS / "shipped.pt", help="of DeePSD")
+    p.add_argument("--tee", type=Path, default=RUNS / "pixel" / "shipped_tee.pt", help="of pixel cloth's T-shirt")
     a = p.parse_args()
-    a.out.parent.mkdir(parents=True, exist_ok=True)
-    torch.save({"net": shipped().state_dict()}, a.out)
-    print(a.out)
+    tee, _ = shipped_tee(some_poses())
+    for path, state in ((a.out, {"net": shipped().state_dict()}), (a.tee, tee.state_dict())):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        torch.save(state, path)
+        print(path)
 
 
 if __name__ == "__main__":

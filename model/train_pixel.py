@@ -6,6 +6,7 @@ python -m train_pixel --minutes 60 --loss l2 --normals 0       # section 8.1
 python -m train_pixel --minutes 60 --carrier thin              # section 8.2
 python -m train_pixel --minutes 60 --patches                   # section 8.3
 python -m train_pixel --minutes 30 --garment tie               # section 8.4
+python -m train_pixel --simulated --minutes 20 --rate 5e-4 --resume runs/pixel/tee_l1.pt
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from garment import nearest
 from garment.cloth_image import Panel
 from garment.flat import flattened
 from nets.pixel_cloth import OFFSET_UNIT, PixelCloth, Sizes, at_sites, of_mask
-from pixel_data import GARMENTS, PIXEL, load
+from pixel_data import GARMENTS, PIXEL, RELAXED, SIMULATED, Source
 from pixel_scenes import PATCH_SIZE, Carrier, Garment, Scenes, draped, pixels, scenes
 from training_data import Sample
 
@@ -114,20 +115,25 @@ class Run:
     carrier: Carrier = "reference"
     patched: bool = False
     garment: str = "tee"
+    simulated: bool = False  # drapes to learn from: by physics instead of relaxed
+
+    @property
+    def source(self) -> Source:
+        return SIMULATED if self.simulated else RELAXED
 
 
 #: The network that ships.
-TEE = Run()
+TEE = Run(simulated=True)
 
 
 def checkpoint(run: Run = TEE, folder: Path = RUNS) -> Path:
     """Where a run's weights lie."""
-    loss, normals, carrier, patched = run.loss, run.normals, run.carrier, run.patched
     parts = (
         run.garment,
-        "patches" if patched else "",
-        "" if carrier == "reference" else carrier,
-        loss if normals else f"{loss}_only",
+        "simulated" if run.simulated else "",
+        "patches" if run.patched else "",
+        "" if run.carrier == "reference" else run.carrier,
+        run.loss if run.normals else f"{run.loss}_only",
     )
     return folder / f"{'_'.join(filter(None, parts))}.pt"
 
@@ -157,21 +163,25 @@ def main() -> None:
     p.add_argument("--normals", type=float, default=Settings.normals)
     p.add_argument("--carrier", choices=get_args(Carrier), default="reference")
     p.add_argument("--patches", action="store_true")
-    p.add_argument("--drapes", type=Path, default=PIXEL)
+    p.add_argument("--simulated", action="store_true", help="learn drapes of `teacher.pixel_drapes`")
+    p.add_argument("--resume", type=Path, metavar="FILE", help="weights to go on from")
+    p.add_argument("--rate", type=float, default=Settings.rate, help="of learning, at the start")
     p.add_argument("--out", type=Path, default=RUNS, help="folder of the weights")
     p.add_argument("--device", default="cpu")
     p.add_argument("--batch", type=int, default=Settings.batch, help="drapes a step: 8 for two cores, 64 for a GPU")
     a = p.parse_args()
     torch.manual_seed(0)
-    run = Run(a.loss, a.normals, a.carrier, a.patches, a.garment)
-    sample = GARMENTS[a.garment](a.drapes)
+    run = Run(a.loss, a.normals, a.carrier, a.patches, a.garment, a.simulated)
+    sample = GARMENTS[a.garment](PIXEL)
     garment = on(garment_of(run, sample), a.device)
-    drapes = {split: load(split, a.drapes, a.garment) for split in ("train", "validation")}
-    drapes["train"] = drapes["train"].with_mirrored(sample)
-    sets = {split: scenes(garment, d, a.carrier, a.device) for split, d in drapes.items()}
+    drapes = run.source.load(a.garment)
+    learned = drapes["train"].with_mirrored(sample)
+    sets = {k: scenes(garment, d, a.carrier, a.device) for k, d in (drapes | {"train": learned}).items() if k != "test"}
     print(f"{len(sets['train'])} drapes, {len(sets['validation'])} to validate", flush=True)
     net = network(garment).to(a.device)
-    learn(net, garment, sets["train"], Settings(a.minutes, a.batch, steps=a.steps, loss=a.loss, normals=a.normals))
+    if a.resume:
+        net.load_state_dict(torch.load(a.resume, map_location=a.device))
+    learn(net, garment, sets["train"], Settings(a.minutes, a.batch, a.rate, a.steps, a.loss, a.normals))
     for name, data in sets.items():
         print(json.dumps({name: measures(answers(net, garment, data), garment, data)}), flush=True)
     a.out.mkdir(parents=True, exist_ok=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 import torch
 
 from body.anny_body import AnnyBody
-from pixel_data import Drapes, load, necktie
+from pixel_data import RELAXED, Drapes, necktie
 from pixel_scenes import draped, scenes
 from pixel_tables import NECKTIE, trained
 from train_pixel import answers
@@ -29,7 +29,7 @@ def main() -> None:
     p.add_argument("--out", type=Path, default=OUT)
     a = p.parse_args()
     garment, net = trained(necktie(), NECKTIE)
-    test = load("test", garment="tie")
+    test = RELAXED.load("tie")["test"]
     away = scenes(garment, test, "reference").offsets.norm(dim=-1).amax(1)
     rows = away.argsort(descending=True)[: 2 * a.poses : 2]
     some = Drapes(test.x[rows], test.transforms[rows], test.number[rows])

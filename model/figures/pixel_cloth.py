@@ -1,4 +1,4 @@
-"""Pixel cloth beside DeePSD and the relaxed cloth, in poses of the test: `python -m figures.pixel_cloth`.
+"""Pixel cloth beside DeePSD and the simulated cloth, in poses of the test: `python -m figures.pixel_cloth`.
 
 One row a pose (Jin et al. 2020, Figures 4, 8 and 15), before any resolve, into docs/pictures/pixel-cloth.jpg.
 """
@@ -13,16 +13,16 @@ from torch import Tensor
 
 from body.anny_body import AnnyBody
 from garment.binding import reference_surface
-from pixel_data import Drapes, load, shirt
+from pixel_data import SIMULATED, Drapes, shirt
 from pixel_filter import offsets_of
-from pixel_scenes import Scenes, draped, scenes
-from pixel_tables import deepsd, filter_of, trained
+from pixel_scenes import Garment, Scenes, draped, scenes
+from pixel_tables import deepsd, served
 from train_pixel import answers
 
 from .drawing import CLOTH, Drawn, cell, grid
 
 OUT = Path(__file__).parents[2] / "docs" / "pictures" / "pixel-cloth.jpg"
-TITLES = ("pixels on the body", "deepsd", "pixel cloth, network", "filtered", "relaxed")
+TITLES = ("pixels on the body", "deepsd", "pixel cloth, network", "filtered", "simulated")
 
 
 def bodies(drapes: Drapes) -> Tensor:
@@ -33,12 +33,12 @@ def bodies(drapes: Drapes) -> Tensor:
     return (moved[..., :3] @ rest[..., None])[..., 0] + moved[..., 3]
 
 
-def ways(data: Scenes, sets: dict[str, Drapes], some: Drapes) -> list[Tensor]:
+def ways(data: Scenes, some: Drapes) -> list[Tensor]:
     """Cloth of every column, (D, N, 3) each."""
     sample = shirt()
-    garment, net = trained(sample)
+    garment, net, smooth = served(sample)
     said = answers(net, garment, data)
-    filtered = draped(filter_of(net, garment, sets).apply(offsets_of(said, garment, data)), garment, data)
+    filtered = draped(smooth.apply(offsets_of(said, garment, data)), garment, data)
     return [draped(torch.zeros_like(data.offsets), garment, data), deepsd(sample, some), said, filtered, some.x]
 
 
@@ -47,12 +47,11 @@ def main() -> None:
     p.add_argument("--rows", type=int, default=4)
     p.add_argument("--out", type=Path, default=OUT)
     a = p.parse_args()
-    sets = {split: load(split) for split in ("train", "validation", "test")}
-    test = sets["test"]
+    test = SIMULATED.load()["test"]
     rows = torch.linspace(0, len(test.x) - 1, a.rows + 2)[1:-1].long()
     some = Drapes(test.x[rows], test.transforms[rows], test.number[rows])
-    garment, _ = trained(shirt())
-    columns = ways(scenes(garment, some, "reference"), sets, some)
+    garment = Garment.of(shirt())
+    columns = ways(scenes(garment, some, "reference"), some)
     skin, faces = bodies(some).numpy(), AnnyBody.load().triangles
     cloth = garment.triangles.numpy()
     dressed = lambda k, x: cell([Drawn(skin[k], faces), Drawn(x[k].numpy(), cloth, CLOTH[0])])  # noqa: E731
