@@ -213,7 +213,7 @@ train-garnet: $(MODEL_TOOLS)
 		../$(MODEL_VENV)/bin/python -m garnet_data --part 1 --parts 2; made=$$?; wait; exit $$made; }
 	cd model && for garment in $(GARMENTS); do for variant in naive global local; do \
 		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --variant $$variant --minutes 5; done; \
-		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --resume --minutes 13 --rate 3e-3; \
+		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --resume runs/garnet/$${garment}_local.pt --minutes 13 --rate 3e-3; \
 		for curvature in rq mc; do \
 		../$(MODEL_VENV)/bin/python -m train_garnet $$garment --curvature $$curvature --minutes 5; done; done
 

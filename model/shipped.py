@@ -1,8 +1,8 @@
 """The shipped networks as checkpoints to train on from: `python -m shipped`.
 
-What is committed of DeePSD are ONNX graphs (`export.py`). Biased layers keep their names there; a layer without a bias
-becomes a product with its transposed matrix, whose node still tells the layer. Of pixel cloth's T-shirt it is the
-weights, batch normalisation folded in (`export_pixel.py`).
+What is committed of DeePSD and GarNet are ONNX graphs (`export.py`). Biased layers keep their names there; a layer
+without a bias becomes a product with its transposed matrix, whose node still tells the layer. Of pixel cloth's T-shirt
+it is the weights, batch normalisation folded in (`export_pixel.py`).
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ from safetensors.numpy import load_file
 from torch import Tensor, nn
 
 import nets.deepsd
+import nets.garnet
 from export import ARTIFACTS
+from nets.garnet import GarNet
 from nets.pixel_cloth import OFFSET_UNIT, PixelCloth, Sizes
+from outfits.garnet_garments import PATTERNS
 from pixel_data import SEED, in_poses
 from pixel_filter import Filter
 from pixel_poses import pose_matrices, upper_body_poses
@@ -46,6 +49,13 @@ def shipped(artifacts: Path = ARTIFACTS) -> DeePSD:
     net, folder = DeePSD(nets.deepsd.Sizes()), artifacts / "deepsd"
     net.static.load_state_dict(weights(folder / "static.onnx"))
     net.coefficients.load_state_dict(weights(folder / "dynamic.onnx"))
+    return net
+
+
+def shipped_garnet(kind: str, artifacts: Path = ARTIFACTS) -> GarNet:
+    """GarNet of one kind of garment."""
+    net = GarNet(nets.garnet.Sizes())
+    net.load_state_dict(weights(artifacts / "garnet" / f"{kind}.onnx"))
     return net
 
 
@@ -77,11 +87,11 @@ def some_poses() -> Tensor:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--out", type=Path, default=RUNS / "shipped.pt", help="of DeePSD")
-    p.add_argument("--tee", type=Path, default=RUNS / "pixel" / "shipped_tee.pt", help="of pixel cloth's T-shirt")
-    a = p.parse_args()
-    tee, _ = shipped_tee(some_poses())
-    for path, state in ((a.out, {"net": shipped().state_dict()}), (a.tee, tee.state_dict())):
+    p.add_argument("--out", type=Path, default=RUNS / "shipped.pt", help="of DeePSD; the others go beside their own")
+    found: dict[Path, dict] = {p.parse_args().out: {"net": shipped().state_dict()}}
+    found[RUNS / "pixel" / "shipped_tee.pt"] = shipped_tee(some_poses())[0].state_dict()
+    found |= {RUNS / "garnet" / f"shipped_{kind}.pt": shipped_garnet(kind).state_dict() for kind in PATTERNS}
+    for path, state in found.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         torch.save(state, path)
         print(path)

@@ -2,9 +2,10 @@
 
     python -m train_garnet tee --variant local --minutes 10
     python -m train_garnet tee --variant local --minutes 5 --curvature rq    # goes on from the run above
+    python -m train_garnet tee --simulated --minutes 10 --resume runs/garnet/shipped_tee.pt
 
 The first form lowers equation 3. The second fine-tunes with curvature terms, by Rayleigh quotients (equation 16) or by
-mean curvature normals (equation 15).
+mean curvature normals (equation 15). The third goes on from any weights with simulated drapes.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from torch import Tensor, nn
 import garnet_losses as losses
 import optimisers
 from devices import on
-from garnet_data import GARNET, SPLITS
+from garnet_data import GARNET, SIMULATED, SPLITS
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
 from outfits.garnet_garments import PATTERNS
@@ -105,9 +106,9 @@ def learn(net: GarNet, garment: Garment, scenes: Scenes, s: Settings) -> None:
             history.clear()
 
 
-def checkpoint(garment: str, variant: Variant, curved: str = "") -> Path:
+def checkpoint(garment: str, variant: Variant, curved: str = "", simulated: bool = False) -> Path:
     """Where a run's weights lie."""
-    return RUNS / f"{'_'.join(filter(None, (garment, variant, curved)))}.pt"
+    return RUNS / f"{'_'.join(filter(None, (garment, variant, curved, 'simulated' if simulated else '')))}.pt"
 
 
 def main() -> None:
@@ -116,23 +117,23 @@ def main() -> None:
     p.add_argument("--variant", choices=["naive", "global", "local"], default="local")
     p.add_argument("--curvature", choices=["", "rq", "mc"], default="")
     p.add_argument("--minutes", type=float, default=10)
-    p.add_argument("--resume", action="store_true", help="go on from the same run's weights")
+    p.add_argument("--resume", type=Path, metavar="FILE", help="weights to go on from")
     p.add_argument("--rate", type=float, help="highest rate; 4e-3, or 1e-3 where a run goes on from another")
-    p.add_argument("--drapes", type=Path, default=GARNET)
+    p.add_argument("--simulated", action="store_true", help="learn drapes of `teacher.garnet_drapes`")
     p.add_argument("--device", default="cpu")
     p.add_argument("--batch", type=int, default=2, help="drapes a step: 2 for a core, 16 for a GPU")
     a = p.parse_args()
     torch.manual_seed(0)
     train = SPLITS[0]
-    garment, scenes = on(load(a.garment, train, train.bank(), a.drapes), a.device)
+    garment, scenes = on(load(a.garment, train, train.bank(), SIMULATED if a.simulated else GARNET), a.device)
     print(f"{len(scenes)} drapes of {scenes.warped.shape[1]} vertices", flush=True)
     net = GarNet(Sizes(variant=a.variant)).to(a.device)
-    if a.curvature or a.resume:
-        net.load_state_dict(torch.load(checkpoint(a.garment, a.variant, a.curvature if a.resume else "")))
-    rate = a.rate or (1e-3 if a.curvature or a.resume else 4e-3)
+    if start := a.resume or (checkpoint(a.garment, a.variant, "", a.simulated) if a.curvature else None):
+        net.load_state_dict(torch.load(start, map_location=a.device))
+    rate = a.rate or (1e-3 if start else 4e-3)
     learn(net, garment, scenes, Settings(a.minutes, a.batch, rate, curvature=a.curvature))
     RUNS.mkdir(parents=True, exist_ok=True)
-    torch.save(net.cpu().state_dict(), checkpoint(a.garment, a.variant, a.curvature))
+    torch.save(net.cpu().state_dict(), checkpoint(a.garment, a.variant, a.curvature, a.simulated))
 
 
 if __name__ == "__main__":

@@ -3,11 +3,12 @@
 import torch
 from safetensors.numpy import load_file
 
+import export_garnet
 from export import ARTIFACTS, check, example, specs
 from export_pixel import folded
 from nets.deepsd import ConcatenatedPsi, Sizes
 from pixel_poses import POSE
-from shipped import shipped, shipped_tee
+from shipped import shipped, shipped_garnet, shipped_tee
 
 
 def test_the_recovered_network_answers_as_its_graphs_do() -> None:
@@ -27,3 +28,9 @@ def test_the_recovered_tee_has_the_shipped_weights_and_can_learn_on() -> None:
     with torch.no_grad():
         said, learning = net(poses), net.train()(poses)
     assert torch.allclose(said, learning, atol=1e-4), "normalised by what these poses have"
+
+
+def test_a_recovered_garnet_answers_as_its_graph_does() -> None:
+    jeans = export_garnet.spec("jeans", shipped_garnet("jeans").eval())
+    extents = {d: 50 for p in jeans.inputs for d in p.shape if isinstance(d, str)}
+    check(jeans, ARTIFACTS / "garnet" / "jeans.onnx", example(jeans.inputs, extents, 3))
