@@ -62,9 +62,7 @@ class Settings:
     contact: float = 2e3  # N/m, stiffness of a vertex on the skin
 
 
-#: Of coarse cloth to learn from: in half the time it ends 1 to 14 mm from where the above ends (model/LOG.md).
-COARSE = Settings(stages=(Stage(0.005, 150, 0.98), Stage(0.003, 120, 0.95)), iterations=6, still=5e-4)
-#: Of a garment to learn from: in two fifths of the time it ends 2 mm from where the judge's ends.
+#: Of cloth to learn from: in a third to two thirds of the time it ends 0 to 7 mm from there (model/LOG.md).
 QUICK = Settings(stages=(Stage(0.004, 100, 0.99), Stage(0.002, 150, 0.96)))
 
 

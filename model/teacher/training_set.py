@@ -1,9 +1,8 @@
 """Simulated drapes to learn from: `python -m teacher.training_set`.
 
 Coarse outfits of the kinds that are trained on, each on one body of the training bank in some of its poses, simulated
-and judged as the evaluation set is (`drapes`), in longer time steps and fewer sweeps. Written as `training_data`
-reads targets. Seeded; outfits that are there already are kept, so that a run can be stopped, and a larger set begins
-with the smaller one.
+and judged as the evaluation set is (`drapes`), in fewer time steps. Written as `training_data` reads targets. Seeded;
+outfits that are there already are kept, so that a run can be stopped, and a larger set begins with the smaller one.
 """
 
 from __future__ import annotations
@@ -101,7 +100,7 @@ def coarse(seed: int, vertices: int) -> OutfitMesh:
 def make(seed: int, size: Size, out: Path) -> Counter[str]:
     """Simulates one outfit and keeps its good drapes. How many are good (empty name) and have each fault."""
     # Its kernels take a minute to compile where nothing needs them.
-    from .simulation import COARSE
+    from .simulation import QUICK
 
     kept = next(out.glob(f"{seed:07d}_*[0-9].npz"), None)
     if kept is not None:
@@ -113,7 +112,7 @@ def make(seed: int, size: Size, out: Path) -> Counter[str]:
     write_obj(outfit, scratch / "outfit.obj")
     (scratch / "set.json").write_text(json.dumps(worn.asked()))
     start = draped(scratch, "skinning")
-    ends = [settled(start, 0, k, settings=COARSE) for k in range(size.poses)]
+    ends = [settled(start, 0, k, settings=QUICK) for k in range(size.poses)]
     faults = [judged.fault(LIMITS) or "" for _, judged in ends]
     good = np.array([not fault for fault in faults])
     x = np.stack([end.x for end, _ in ends]) - lifted(start, worn)[:, None]
