@@ -226,7 +226,9 @@ train-pixel: build $(TEACHER_TOOLS)
 		../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 1 --parts 2; made=$$?; wait; exit $$made; }
 	cd model && ../$(MODEL_VENV)/bin/python -m train_pixel
 	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m teacher.pixel_drapes
-	cd model && ../$(MODEL_VENV)/bin/python -m train_pixel $(SIMULATED_PIXEL) --resume runs/pixel/tee_l1.pt
+	cd model && export OMP_NUM_THREADS=1 && for seed in 0 1; do ../$(MODEL_VENV)/bin/python -m train_pixel --simulated \
+		--resume runs/pixel/tee_l1.pt --rate 1e-3 --minutes 25 --seed $$seed --out runs/pixel/end$$seed || exit; done
+	cd model && ../$(MODEL_VENV)/bin/python -m average_pixel runs/pixel/end0/tee_simulated_l1.pt runs/pixel/end1/tee_simulated_l1.pt
 
 evaluate-pixel: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_pixel

@@ -99,7 +99,7 @@ def main() -> None:
         raise SystemExit("no trained network to export: run `make train-pixel` first")
     sample = shirt()
     garment, net = trained(sample)
-    smooth = filter_of(net, garment, SIMULATED.load())
+    smooth = filter_of(sample, net, garment, SIMULATED.load())
     export_method(METHOD, [spec()], a.out)
     save_file(tables(sample, garment, net, smooth), a.out / METHOD / f"{NAME}.safetensors")
 

@@ -83,11 +83,12 @@ def sharpness(sample: Sample, drapes: Drapes) -> None:
         print(f"| {name} | {cells} | {100 * bend(x) / bend(drapes.x):.0f} | {rayleigh:.0f} |", flush=True)
 
 
-def filter_of(net: torch.nn.Module, garment: Garment, sets: dict[str, Drapes]) -> Filter:
-    """The filter of a whole garment's network."""
-    data = {k: scenes(garment, sets[k], "reference") for k in ("train", "validation")}
-    offsets = offsets_of(answers(net, garment, data["validation"]), garment, data["validation"])
-    return Filter.of(data["train"]).chosen(offsets, garment, data["validation"])
+def filter_of(sample: Sample, net: PixelCloth, garment: Garment, sets: dict[str, Drapes]) -> Filter:
+    """The filter of a whole garment's network, from the drapes that it learned."""
+    learned, validation = sets["train"].with_mirrored(sample), sets["validation"]
+    train, held_back = (scenes(garment, drapes, "reference") for drapes in (learned, validation))
+    offsets = offsets_of(answers(net, garment, held_back), garment, held_back)
+    return Filter.of(train).chosen(offsets, garment, held_back)
 
 
 def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
@@ -125,8 +126,9 @@ def filters(name: str, sample: Sample, sets: dict[str, Drapes], garment: Garment
     whole = Garment.of(sample)
     data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
     said = {k: answers(net, garment, scenes(garment, sets[k], "reference")) for k in ("validation", "test")}
+    smooth = Filter.of(scenes(whole, sets["train"].with_mirrored(sample), "reference"))
     print(f"\n| validation / test, cm | {' | '.join(map(str, COUNTS))} |\n|---|{'---:|' * len(COUNTS)}")
-    components(name, whole, Filter.of(data["train"]), said, data)
+    components(name, whole, smooth, said, data)
 
 
 def seams(sample: Sample, garment: Garment) -> Tensor:

@@ -165,6 +165,7 @@ def main() -> None:
     p.add_argument("--patches", action="store_true")
     p.add_argument("--simulated", action="store_true", help="learn drapes of `teacher.pixel_drapes`")
     p.add_argument("--resume", type=Path, metavar="FILE", help="weights to go on from")
+    p.add_argument("--seed", type=int, default=Settings.seed, help="of the drapes' order")
     p.add_argument("--rate", type=float, default=Settings.rate, help="of learning, at the start")
     p.add_argument("--out", type=Path, default=RUNS, help="folder of the weights")
     p.add_argument("--device", default="cpu")
@@ -181,7 +182,8 @@ def main() -> None:
     net = network(garment).to(a.device)
     if a.resume:
         net.load_state_dict(torch.load(a.resume, map_location=a.device))
-    learn(net, garment, sets["train"], Settings(a.minutes, a.batch, a.rate, a.steps, a.loss, a.normals))
+    settings = Settings(a.minutes, a.batch, a.rate, a.steps, a.loss, a.normals, a.seed)
+    learn(net, garment, sets["train"], settings)
     for name, data in sets.items():
         print(json.dumps({name: measures(answers(net, garment, data), garment, data)}), flush=True)
     a.out.mkdir(parents=True, exist_ok=True)
