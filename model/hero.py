@@ -93,6 +93,7 @@ def simulate(it: Task, seconds: float) -> Drapes:
     """The outfit at rest in as many poses as time allows, on two cores; chunks that are there are kept."""
     started, paths, is_upper = time.time(), it.files(), it.garment.joints == JOINTS
     missing = iter([k for k, path in enumerate(paths) if not path.exists()])
+    tell(f"simulating; the first {CHUNK} poses take some minutes", started)
     with ProcessPoolExecutor(2, get_context("spawn")) as pool:
         submit = lambda k: pool.submit(make, worn(it.sample), paths[k], k, is_upper)  # noqa: E731
         running = {submit(k) for k, _ in zip(missing, range(2), strict=False)}

@@ -27,6 +27,8 @@ from . import hinges
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
+# Or else it tells of every kernel that it loads.
+wp.config.quiet = True
 if not wp.get_device().is_cuda:
     # A GPU's four threads for the contacts of a vertex or edge are four walks on a CPU, one after the other.
     particle_vbd_kernels.NUM_THREADS_PER_COLLISION_PRIMITIVE = solver_vbd.NUM_THREADS_PER_COLLISION_PRIMITIVE = 1
