@@ -197,7 +197,7 @@ train: $(MODEL_TOOLS)
 
 # Goes on from what was trained last, or else from what is shipped, to the mean of the start and of two ends.
 SIMULATED_RUN := --simulated data/simulated --minutes 10 --start 0.5 --rate 1e-3
-train-simulated: $(TEACHER_TOOLS)
+train-simulated: build $(TEACHER_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m outfits.dataset --count 160 --validation 12 --out data/outfits
 	cd model && OMP_NUM_THREADS=1 ../$(MODEL_VENV)/bin/python -m teacher.training_set
 	cd model && if [ -f runs/deepsd.pt ]; then cp runs/deepsd.pt runs/start.pt; \
@@ -220,7 +220,7 @@ train-garnet: $(MODEL_TOOLS)
 evaluate-garnet: $(MODEL_TOOLS)
 	cd model && ../$(MODEL_VENV)/bin/python -m evaluate_garnet
 
-# From relaxed drapes first, because they are the more for the same time, then from simulated ones.
+# As what ships was trained: from relaxed drapes, then from simulated ones.
 train-pixel: build $(TEACHER_TOOLS)
 	cd model && export OMP_NUM_THREADS=1 && { ../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 0 --parts 2 & \
 		../$(MODEL_VENV)/bin/python -m pixel_data --minutes 120 --part 1 --parts 2; made=$$?; wait; exit $$made; }

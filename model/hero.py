@@ -59,7 +59,7 @@ class Task:
 
     @property
     def folder(self) -> Path:
-        return DATA / "heroes" / self.id
+        return DATA / "heroes" / self.id / "simulated"
 
     def files(self) -> list[Path]:
         """Where each chunk of drapes lies."""
