@@ -18,29 +18,30 @@ LEAST = wp.constant(1e-6)
 @wp.func
 def angle(x0: wp.vec3, x1: wp.vec3, x2: wp.vec3, x3: wp.vec3) -> float:
     """Dihedral angle of the triangles 0-2-3 and 1-3-2 at their edge 2-3, rad; 0 flat."""
-    n1 = wp.normalize(wp.cross(x2 - x0, x3 - x0))
-    n2 = wp.normalize(wp.cross(x3 - x1, x2 - x1))
-    return wp.atan2(wp.dot(wp.cross(n1, n2), wp.normalize(x3 - x2)), wp.dot(n1, n2))
+    e = x3 - x2
+    n1 = wp.cross(x2 - x0, x3 - x0)
+    n2 = wp.cross(x3 - x1, x2 - x1)
+    return wp.atan2(wp.dot(wp.cross(n1, n2), e) / wp.length(e), wp.dot(n1, n2))
 
 
 @wp.func
-def gradient(corner: int, x0: wp.vec3, x1: wp.vec3, x2: wp.vec3, x3: wp.vec3) -> wp.vec3:
-    """Of the angle by the position of one corner, rad/m."""
-    e = x3 - x2
+def gradient(corner: int, n1: wp.vec3, n2: wp.vec3, e: wp.vec3, to0: wp.vec3, to1: wp.vec3) -> wp.vec3:
+    """Of the angle by the position of one corner, rad/m.
+
+    n1, n2: normals, twice their triangles' areas long. e: the edge. to0, to1: from its start to the corners beside.
+    """
     length = wp.length(e)
-    n1 = wp.cross(x2 - x0, x3 - x0)
-    n2 = wp.cross(x3 - x1, x2 - x1)
     # By the height of the corners 0 and 1 over the edge; the ends of the edge balance them.
     at0 = -n1 * (length / wp.length_sq(n1))
     at1 = -n2 * (length / wp.length_sq(n2))
-    share0 = wp.dot(x0 - x2, e) / (length * length)
-    share1 = wp.dot(x1 - x2, e) / (length * length)
     if corner == 0:
         return at0
     if corner == 1:
         return at1
+    share0 = wp.dot(to0, e) / (length * length)
+    share1 = wp.dot(to1, e) / (length * length)
     if corner == 2:
-        return -(1.0 - share0) * at0 - (1.0 - share1) * at1
+        return (share0 - 1.0) * at0 + (share1 - 1.0) * at1
     return -share0 * at0 - share1 * at1
 
 
@@ -66,12 +67,14 @@ def bending_force_hessian(
     x1 = pos[corners[hinge, 1]]
     x2 = pos[corners[hinge, 2]]
     x3 = pos[corners[hinge, 3]]
-    n1 = wp.length(wp.cross(x2 - x0, x3 - x0))
-    n2 = wp.length(wp.cross(x3 - x1, x2 - x1))
-    if n1 < LEAST or n2 < LEAST or wp.length(x3 - x2) < LEAST:
+    e = x3 - x2
+    n1 = wp.cross(x2 - x0, x3 - x0)
+    n2 = wp.cross(x3 - x1, x2 - x1)
+    least = LEAST * LEAST
+    if wp.length_sq(n1) < least or wp.length_sq(n2) < least or wp.length_sq(e) < least:
         return force, hessian
-    now = angle(x0, x1, x2, x3)
-    slope = gradient(corner, x0, x1, x2, x3)
+    now = wp.atan2(wp.dot(wp.cross(n1, n2), e) / wp.length(e), wp.dot(n1, n2))
+    slope = gradient(corner, n1, n2, e, x0 - x2, x1 - x2)
     along = wp.outer(slope, slope)
     length = rest_length[hinge]
     force = -stiffness * length * (now - rest_angle[hinge]) * slope
