@@ -18,25 +18,26 @@ import train_deepsd
 from fabric import Fabric
 from garment.rest_mesh import hinges, rest_mesh
 from nets.pixel_cloth import PixelCloth
-from pixel_data import RELAXED, SIMULATED, Drapes, Source, in_poses, necktie, shirt
+from pixel_data import RELAXED, SIMULATED, Drapes, in_poses, necktie, shirt
 from pixel_filter import COUNTS, Filter, offsets_of
 from pixel_scenes import Carrier, Garment, Scenes, draped, scenes
 from relax import skinned
 from train_pixel import RUNS, TEE, Run, answers, checkpoint, garment_of, network
 from training_data import BodyBank, Sample
 
-#: Networks of section 8, trained on relaxed drapes for the same number of steps.
+#: Networks of section 8, trained for the same number of steps.
 SECTION_8 = RUNS / "section_8"
 #: What they are.
+PATCHES = replace(TEE, patched=True)
 COMPARED: tuple[tuple[str, Run], ...] = (
-    ("L1 and normals", Run()),
-    ("L2 and normals", Run(loss="l2")),
-    ("L1 alone", Run(normals=0.0)),
-    ("patches", Run(patched=True)),
-    ("too thin a body", Run(carrier="thin")),
-    ("too thick a body", Run(carrier="thick")),
-    ("lagging skinning", Run(carrier="lagging")),
-    ("rigid skinning", Run(carrier="rigid")),
+    ("L1 and normals", TEE),
+    ("L2 and normals", replace(TEE, loss="l2")),
+    ("L1 alone", replace(TEE, normals=0.0)),
+    ("patches", PATCHES),
+    ("too thin a body", replace(TEE, carrier="thin")),
+    ("too thick a body", replace(TEE, carrier="thick")),
+    ("lagging skinning", replace(TEE, carrier="lagging")),
+    ("rigid skinning", replace(TEE, carrier="rigid")),
 )
 #: The necktie's network.
 NECKTIE = Run(garment="tie")
@@ -93,7 +94,7 @@ def filter_of(sample: Sample, net: PixelCloth, garment: Garment, sets: dict[str,
 
 def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
     """Patches before and after the filter, and how neighbours turn across their seams and elsewhere."""
-    garment, net = trained(sample, Run(patched=True), SECTION_8)
+    garment, net = trained(sample, PATCHES, SECTION_8)
     whole = Garment.of(sample)
     said = {k: answers(net, garment, scenes(garment, d, "reference")) for k, d in sets.items() if k != "train"}
     data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
@@ -197,24 +198,16 @@ def tie() -> None:
 
 def tables() -> None:
     """Every table whose drapes and networks are there."""
-    sample, patched = shirt(), Run(patched=True)
+    sample = shirt()
     if SIMULATED.has():
-        sets, (garment, net, _) = counted(SIMULATED, "simulated"), served(sample)
+        sets, (garment, net, _) = SIMULATED.load(), served(sample)
+        print(f"\n{', '.join(f'{len(d.x)} {k}' for k, d in sets.items())} simulated drapes")
         errors(sets, [("shipped", "reference", garment, net)])
         sharpness(sample, sets["test"])
         filters("shipped", sample, sets, garment, net)
-    if RELAXED.has():
-        sets = counted(RELAXED, "relaxed")
         errors(sets, compared(sample))
-        if checkpoint(patched, SECTION_8).exists():
+        if checkpoint(PATCHES, SECTION_8).exists():
             patches(sample, sets)
-            filters("patches", sample, sets, *trained(sample, patched, SECTION_8))
+            filters("patches", sample, sets, *trained(sample, PATCHES, SECTION_8))
     tie()
     speed(sample)
-
-
-def counted(source: Source, how: str) -> dict[str, Drapes]:
-    """Drapes by split, and a line on how many."""
-    sets = source.load()
-    print(f"\n{', '.join(f'{len(d.x)} {k}' for k, d in sets.items())} {how} drapes")
-    return sets
