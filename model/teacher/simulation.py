@@ -43,6 +43,7 @@ class Stage:
     step: float  # s; what the sweeps of a step do not undo of its fall stretches the cloth, so it must be short
     most: int  # steps at most
     keep: float  # share of its speed that cloth keeps from step to step
+    least: int = 0  # steps before cloth may count as at rest
     again: bool = True  # contacts of cloth are looked for again once a step's fall is known, or it falls less far
 
 
@@ -69,7 +70,9 @@ class Settings:
 
 #: Of cloth to learn from: in a quarter of the time it ends about as far from there as the judge from itself
 #: (model/LOG.md).
-QUICK = Settings(stages=(Stage(0.004, 100, 0.99), Stage(0.002, 150, 0.96, again=False)), damping=0.0)
+QUICK = Settings(
+    stages=(Stage(0.004, 100, 0.99, 100), Stage(0.002, 300, 0.96, 150, again=False)), still=2e-3, damping=0.0
+)
 
 
 @dataclass(frozen=True)
@@ -123,7 +126,7 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
             if k % every == 0:
                 x = now.particle_q.numpy().copy()
                 residual, seen = float(np.linalg.norm(x - seen, axis=1).mean()), x
-                if not residual > s.still:
+                if k >= stage.least and not residual > s.still:
                     break
         count += k
     return Resting(now.particle_q.numpy().copy(), residual, count)

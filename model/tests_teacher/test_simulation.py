@@ -9,7 +9,7 @@ from fabric import Fabric
 from garment.graph import mesh_edges
 from teacher.checks import Limits, crossing, judge, lengths
 from teacher.race import whole
-from teacher.simulation import Cloth, Settings, Stage, equilibrium, kept_off
+from teacher.simulation import QUICK, Cloth, Settings, Stage, equilibrium, kept_off
 
 DOWN = np.array([0.0, -Fabric.gravity, 0.0])
 
@@ -70,6 +70,13 @@ def test_cloth_without_weight_stays_and_held_cloth_hangs_from_its_edge() -> None
     hung = equilibrium(cloth(v, t, edge, DOWN), v, far, Settings()).x
     assert np.allclose(hung[edge], v[edge], atol=1e-6)
     assert (hung[-9:, 1] < 0.75).all(), "30 cm of cloth below the edge that is held"
+
+
+def test_cloth_to_learn_from_is_not_at_rest_before_its_least_steps() -> None:
+    v, t = sheet(9, 0.3, 1.0)
+    still = equilibrium(cloth(v, t, [], 0 * DOWN), v, ball(0.1), QUICK)
+    assert still.steps == sum(stage.least for stage in QUICK.stages)
+    assert still.residual < QUICK.still
 
 
 def test_hanging_cloth_is_stretched_by_its_weight_and_no_more() -> None:
