@@ -16,11 +16,8 @@ LEAST = wp.constant(1e-6)
 
 
 @wp.func
-def angle(x0: wp.vec3, x1: wp.vec3, x2: wp.vec3, x3: wp.vec3) -> float:
-    """Dihedral angle of the triangles 0-2-3 and 1-3-2 at their edge 2-3, rad; 0 flat."""
-    e = x3 - x2
-    n1 = wp.cross(x2 - x0, x3 - x0)
-    n2 = wp.cross(x3 - x1, x2 - x1)
+def angle(n1: wp.vec3, n2: wp.vec3, e: wp.vec3) -> float:
+    """Dihedral angle at an edge e of triangles with normals n1 and n2 of any length, rad; 0 flat."""
     return wp.atan2(wp.dot(wp.cross(n1, n2), e) / wp.length(e), wp.dot(n1, n2))
 
 
@@ -73,16 +70,18 @@ def bending_force_hessian(
     least = LEAST * LEAST
     if wp.length_sq(n1) < least or wp.length_sq(n2) < least or wp.length_sq(e) < least:
         return force, hessian
-    now = wp.atan2(wp.dot(wp.cross(n1, n2), e) / wp.length(e), wp.dot(n1, n2))
+    now = angle(n1, n2, e)
     slope = gradient(corner, n1, n2, e, x0 - x2, x1 - x2)
     along = wp.outer(slope, slope)
     length = rest_length[hinge]
     force = -stiffness * length * (now - rest_angle[hinge]) * slope
     hessian = stiffness * length * along
     if damping > 0.0:
-        last = angle(
-            before[corners[hinge, 0]], before[corners[hinge, 1]], before[corners[hinge, 2]], before[corners[hinge, 3]]
-        )
+        b0 = before[corners[hinge, 0]]
+        b1 = before[corners[hinge, 1]]
+        b2 = before[corners[hinge, 2]]
+        b3 = before[corners[hinge, 3]]
+        last = angle(wp.cross(b2 - b0, b3 - b0), wp.cross(b3 - b1, b2 - b1), b3 - b2)
         turned = now - last
         if turned > wp.pi:
             turned = turned - 2.0 * wp.pi
