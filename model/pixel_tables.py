@@ -27,8 +27,8 @@ from training_data import BodyBank, Sample
 
 #: Networks of section 8, trained for the same number of steps.
 SECTION_8 = RUNS / "section_8"
-#: What they are.
 PATCHES = replace(TEE, patched=True)
+#: What they are.
 COMPARED: tuple[tuple[str, Run], ...] = (
     ("L1 and normals", TEE),
     ("L2 and normals", replace(TEE, loss="l2")),
@@ -86,10 +86,14 @@ def sharpness(sample: Sample, drapes: Drapes) -> None:
 
 def filter_of(sample: Sample, net: PixelCloth, garment: Garment, sets: dict[str, Drapes]) -> Filter:
     """The filter of a whole garment's network, from the drapes that it learned."""
-    learned, validation = sets["train"].with_mirrored(sample), sets["validation"]
-    train, held_back = (scenes(garment, drapes, "reference") for drapes in (learned, validation))
+    held_back = scenes(garment, sets["validation"], "reference")
     offsets = offsets_of(answers(net, garment, held_back), garment, held_back)
-    return Filter.of(train).chosen(offsets, garment, held_back)
+    return components_of(sample, garment, sets).chosen(offsets, garment, held_back)
+
+
+def components_of(sample: Sample, garment: Garment, sets: dict[str, Drapes]) -> Filter:
+    """Every component of the drapes that a whole garment's network learned."""
+    return Filter.of(scenes(garment, sets["train"].with_mirrored(sample), "reference"))
 
 
 def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
@@ -97,9 +101,9 @@ def patches(sample: Sample, sets: dict[str, Drapes]) -> None:
     garment, net = trained(sample, PATCHES, SECTION_8)
     whole = Garment.of(sample)
     said = {k: answers(net, garment, scenes(garment, d, "reference")) for k, d in sets.items() if k != "train"}
-    data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
+    data = {k: scenes(whole, sets[k], "reference") for k in said}
     offsets = {k: offsets_of(x, whole, data[k]) for k, x in said.items()}
-    smooth = Filter.of(data["train"]).chosen(offsets["validation"], whole, data["validation"])
+    smooth = components_of(sample, whole, sets).chosen(offsets["validation"], whole, data["validation"])
     filtered = draped(smooth.apply(offsets["test"]), whole, data["test"])
     seam, mesh = seams(sample, garment), rest_mesh(sample.vertices, sample.tables)
     print("\n| | error cm | degrees | turn at seams, degrees | elsewhere |\n|---|---:|---:|---:|---:|")
@@ -125,9 +129,9 @@ def components(name: str, garment: Garment, smooth: Filter, said: dict[str, Tens
 def filters(name: str, sample: Sample, sets: dict[str, Drapes], garment: Garment, net: PixelCloth) -> None:
     """Figure 16: how many components of the training's drapes to keep of what a network says."""
     whole = Garment.of(sample)
-    data = {k: scenes(whole, d, "reference") for k, d in sets.items()}
     said = {k: answers(net, garment, scenes(garment, sets[k], "reference")) for k in ("validation", "test")}
-    smooth = Filter.of(scenes(whole, sets["train"].with_mirrored(sample), "reference"))
+    data = {k: scenes(whole, sets[k], "reference") for k in said}
+    smooth = components_of(sample, whole, sets)
     print(f"\n| validation / test, cm | {' | '.join(map(str, COUNTS))} |\n|---|{'---:|' * len(COUNTS)}")
     components(name, whole, smooth, said, data)
 
