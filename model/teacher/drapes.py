@@ -48,6 +48,8 @@ SEED = 40_000
 PERTURBED = 0.002
 #: m, distance within which garments lie over each other.
 LAYERED = 0.05
+#: m from the skin at which it bears nothing.
+FREE = 0.05
 
 
 @dataclass(frozen=True)
@@ -145,15 +147,19 @@ def settled(
 
 
 def scene(start: dict[str, NDArray], body: int, pose: int) -> tuple[Cloth, tuple[Floats, NDArray]]:
-    """What drapes, and the skin that it drapes on."""
+    """What drapes, and the skin that it drapes on.
+
+    Where `start` names the vertices of a knot, these hold all of the cloth, or else the skin and waistbands do.
+    """
     from .simulation import Cloth
 
     rest, skin, triangles = start["rest"][body], start["skin"][body], start["triangles"].astype(np.int64)
-    distance = cKDTree(skin).query(rest)[0]
+    tied = "knot" in start
+    distance = np.full(len(rest), FREE) if tied else cKDTree(skin).query(rest)[0]
     cloth = Cloth(
         rest, triangles, distance, alone(rest, start["garment"]),
         pull(rest, start["draped"][body, pose], triangles, distance),
-        held(rest, triangles, start["garment"], skin),
+        start["knot"] if tied else held(rest, triangles, start["garment"], skin),
     )  # fmt: skip
     return cloth, (start["body"][body, pose], touched(rest, skin, AnnyBody.load()))
 
