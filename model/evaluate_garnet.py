@@ -11,14 +11,13 @@ import argparse
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, dataclass
-from pathlib import Path
 
 import numpy as np
 import torch
 from torch import Tensor
 
 import garnet_losses as losses
-from garnet_data import GARNET, SPLITS
+from garnet_data import RELAXED, SIMULATED, SPLITS
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
 from outfits.garnet_garments import PATTERNS
@@ -63,11 +62,13 @@ def figures(x: Tensor, garment: Garment, s: Scenes, milliseconds: float) -> Figu
     )
 
 
-def network(garment: str, variant: Variant | None, curved: str) -> Callable[[Garment, Scenes], Tensor] | None:
+def network(
+    garment: str, variant: Variant | None, curved: str, simulated: bool = False
+) -> Callable[[Garment, Scenes], Tensor] | None:
     """A way to drape; none where it has not been trained."""
     if variant is None:
         return lambda _, s: s.warped
-    path = checkpoint(garment, variant, curved)
+    path = checkpoint(garment, variant, curved, simulated)
     if not path.exists():
         return None
     net = GarNet(Sizes(variant=variant)).eval()
@@ -95,16 +96,17 @@ def row(name: str, found: list[Figures]) -> str:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--drapes", type=Path, default=GARNET)
+    p.add_argument("--simulated", action="store_true", help="networks and drapes of `teacher.garnet_drapes`")
     p.add_argument("--split", choices=[s.name for s in SPLITS], default="test")
     a = p.parse_args()
-    split = next(s for s in SPLITS if s.name == a.split)
+    source = SIMULATED if a.simulated else RELAXED
+    split = source.split(a.split)
     bank = split.bank()
     print(HEADER)
     for kind in PATTERNS:
-        garment, scenes = load(kind, split, bank, a.drapes)
+        garment, scenes = load(kind, split, bank, source.folder)
         for name, variant, curved in ROWS:
-            if (way := network(kind, variant, curved)) is not None:
+            if (way := network(kind, variant, curved, a.simulated)) is not None:
                 print(row(f"{kind}, {name}", list(measured(way, garment, scenes))), flush=True)
 
 

@@ -1,7 +1,8 @@
-"""How near GarNet comes to drapes in captured movement: `python -m evaluate_garnet_motion FILE.bvh`.
+"""How near GarNet comes to drapes in captured movement: `python -m evaluate_garnet_motion CLIP`.
 
-Frames spread over a clip on bodies of the test, every garment relaxed in each as for training (`garnet_data`), beside
-the warped garment alone (Gundogdu et al. 2020, section 4.2). Drapes are kept, so that a run can be stopped.
+Frames spread over a clip of `captured` or a BVH file, on bodies of the test, every garment relaxed in each as for
+training (`garnet_data`), beside the warped garment alone (Gundogdu et al. 2020, section 4.2). Drapes are kept, so that
+a run can be stopped.
 """
 
 from __future__ import annotations
@@ -17,14 +18,13 @@ import torch
 
 from body.anny_body import AnnyBody
 from body.clearance import Clearance
-from body.motion_capture import read_bvh
-from captured import Pose, frames
+from captured import CLIPS, Pose, clip_of, frames
 from evaluate_garnet import HEADER, Figures, measured, network, row
-from garnet_data import GARNET, SPLITS, STEPS, Drape, Maker, Split
+from garnet_data import RELAXED, SPLITS, STEPS, Drape, Maker, Split
 from garnet_scenes import load
 from nets.garnet import Variant
 from outfits.garnet_garments import PATTERNS
-from training_data import BodyBank, ShapeValues, random_shape
+from training_data import ShapeValues, random_shape
 
 #: Name and variant of each row.
 ROWS: tuple[tuple[str, Variant | None], ...] = (("warped (DQS)", None), ("local", "local"))
@@ -34,12 +34,10 @@ ROWS: tuple[tuple[str, Variant | None], ...] = (("warped (DQS)", None), ("local"
 class Captured(Split):
     """The first bodies of the test in captured poses."""
 
-    rotations: tuple[Pose, ...] = field(compare=False)
+    rotations: tuple[Pose, ...] = field(compare=False, default=())
 
-    def bank(self) -> BodyBank:
-        bank, worn = BodyBank(0, 0, 0), shapes(self.bodies, self.seed)
-        bank.entries = [bank.random_entry(AnnyBody.load(), shape, list(self.rotations)) for shape in worn]
-        return bank
+    def clothed(self) -> list[tuple[ShapeValues, list[Pose]]]:
+        return [(shape, list(self.rotations)) for shape in shapes(self.bodies, self.seed)]
 
 
 def shapes(count: int, seed: int) -> list[ShapeValues]:
@@ -48,12 +46,12 @@ def shapes(count: int, seed: int) -> list[ShapeValues]:
     return [random_shape(rng, i) for i in range(count)]
 
 
-def captured(clip: Path, count: int, bodies: int) -> Captured:
+def captured(clip: str, count: int, bodies: int) -> Captured:
     """`count` frames of a clip on so many bodies of the test, of which none may meet itself."""
     body, seed = AnnyBody.load(), SPLITS[-1].seed
     clear = tuple(Clearance(body, body.shape(*shape)) for shape in shapes(bodies + 1, seed)[1:])
-    poses = frames(read_bvh(clip.read_text()), count, clear)
-    return Captured(f"{clip.stem}_{count}", bodies + 1, len(poses), seed, tuple(poses))
+    poses = frames(clip_of(clip), count, clear)
+    return Captured(f"{Path(clip).stem}_{count}", bodies + 1, len(poses), seed, rotations=tuple(poses))
 
 
 def relaxed(split: Captured, out: Path, batch: int, steps: int = STEPS) -> None:
@@ -87,10 +85,10 @@ def table(split: Captured, out: Path) -> None:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("clip", type=Path, metavar="FILE.bvh")
+    p.add_argument("clip", metavar="CLIP", help=f"a BVH file, or one of {', '.join(CLIPS)}")
     p.add_argument("--frames", type=int, default=6)
     p.add_argument("--bodies", type=int, default=2)
-    p.add_argument("--out", type=Path, default=GARNET)
+    p.add_argument("--out", type=Path, default=RELAXED.folder)
     p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once")
     a = p.parse_args()
     split = captured(a.clip, a.frames, a.bodies)

@@ -1,8 +1,8 @@
-"""How near pixel cloth comes to drapes in captured movement: `python -m evaluate_motion FILE.bvh --frames 24`.
+"""How near pixel cloth comes to drapes in captured movement: `python -m evaluate_motion humanoid3d_walk --frames 24`.
 
-Frames spread over a clip, the T-shirt simulated in each as for training (`teacher.pixel_drapes`), beside skinning and
-DeePSD (Jin et al. 2020, Figure 15). The legs stand still, as in training; frames in which the body meets itself are
-left out. With --save, also a picture of some frames.
+Frames spread over a clip of `captured` or a BVH file, the T-shirt simulated in each as for training
+(`teacher.pixel_drapes`), beside skinning and DeePSD (Jin et al. 2020, Figure 12). The legs stand still, as in training;
+frames in which the body meets itself are left out. With --save, also a picture of some frames.
 """
 
 from __future__ import annotations
@@ -16,8 +16,7 @@ from torch import Tensor
 
 from body.anny_body import AnnyBody
 from body.clearance import sample_bodies
-from body.motion_capture import read_bvh
-from captured import Pose, frames
+from captured import CLIPS, Pose, clip_of, frames
 from pixel_data import Drapes, shirt, worn
 from pixel_filter import offsets_of
 from pixel_poses import LEGS
@@ -73,12 +72,12 @@ def picture(path: Path, sample: Sample, drapes: Drapes, found: dict[str, Tensor]
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("clip", type=Path, metavar="FILE.bvh")
+    p.add_argument("clip", metavar="CLIP", help=f"a BVH file, or one of {', '.join(CLIPS)}")
     p.add_argument("--frames", type=int, default=24)
     p.add_argument("--save", type=Path, metavar="DIR", help="where to put a picture of some frames")
     a = p.parse_args()
     # Of the reference body alone, which is what drapes are on: a heavy one would have its arms lifted further.
-    poses = frames(read_bvh(a.clip.read_text()), a.frames, sample_bodies()[:1], STILL)
+    poses = frames(clip_of(a.clip), a.frames, sample_bodies()[:1], STILL)
     sample = shirt()
     drapes = at_rest(sample, poses)
     found = ways(sample, drapes)
@@ -86,7 +85,7 @@ def main() -> None:
     for name, x in found.items():
         print(f"| {name} | {off(x, drapes.x, sample.tables[2])} |")
     if a.save:
-        picture(a.save / f"{a.clip.stem}.png", sample, drapes, found, 6)
+        picture(a.save / f"{Path(a.clip).stem}.png", sample, drapes, found, 6)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from body.anny_body import AnnyBody
 from body.humanoid import Rotations
 from body.pose_sampling import DEMANDING, sample_poses
-from garnet_data import GARNET, SPLITS, Split, samples
+from garnet_data import RELAXED, SPLITS, Split, samples
 from outfits.garnet_garments import PATTERNS
 from teacher.checks import good
 from training_data import ShapeValues, random_shape
@@ -97,7 +97,7 @@ def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--server", default="http://127.0.0.1:8080")
     p.add_argument("--method", default="garnet", help="or deepsd, skinning: to compare with")
-    p.add_argument("--drapes", type=Path, default=GARNET)
+    p.add_argument("--drapes", type=Path, default=RELAXED.folder)
     p.add_argument("--poses", type=int, default=2, help="of each body")
     a = p.parse_args()
     service, body, split, garments = Service(a.server, a.method), AnnyBody.load(), SPLITS[2], samples(a.drapes)

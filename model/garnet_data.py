@@ -14,7 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
@@ -24,6 +24,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from body.anny_body import AnnyBody
+from body.humanoid import Rotations
+from captured import captured_poses
 from devices import on
 from energies import RestMesh
 from outfits.dataset import save
@@ -31,13 +34,11 @@ from outfits.garnet_garments import DENSITY, PATTERNS, garnet_garment
 from posed_bodies import Bodies, stacked
 from relax import Worn, follow
 from teacher.checks import Limits, crossing, judge
-from training_data import DATA, BodyBank, Sample, ShapedPoses, carry, load_sample
+from training_data import DATA, BodyBank, Sample, ShapedPoses, ShapeValues, carry, load_sample, random_bodies
 
 Floats = NDArray[np.floating]
 Ints = NDArray[np.integer]
 
-#: Relaxed drapes, and simulated ones (`teacher.garnet_drapes`).
-GARNET, SIMULATED = DATA / "garnet", DATA / "garnet_simulated"
 #: Steps of a relaxation: the map must repeat, so cloth comes nearer to rest than targets of DeePSD need.
 STEPS = 640
 
@@ -50,9 +51,25 @@ class Split:
     bodies: int
     poses: int
     seed: int
+    captured: int = 0  # of the poses, the first; the others are drawn at random
+
+    def clothed(self) -> list[tuple[ShapeValues, list[Rotations]]]:
+        """The bodies, each with its poses."""
+        found = random_bodies(self.bodies, self.poses, self.seed)
+        if not self.captured:
+            return found
+        rng, movement = np.random.default_rng(self.seed), captured_poses()
+        some = [rng.choice(len(movement), self.captured, replace=False) for _ in found]
+        return [
+            (shape, [movement[k] for k in mine] + poses[self.captured :])
+            for (shape, poses), mine in zip(found, some, strict=True)
+        ]
 
     def bank(self) -> BodyBank:
-        return BodyBank(self.bodies, self.poses, self.seed)
+        """The same, posed."""
+        bank, body = BodyBank(0, 0, 0), AnnyBody.load()
+        bank.entries = [bank.random_entry(body, *one) for one in self.clothed()]
+        return bank
 
     @property
     def worn(self) -> range:
@@ -65,6 +82,23 @@ SPLITS = (Split("train", 80, 16, 7_001), Split("validation", 5, 8, 7_002), Split
 
 
 @dataclass(frozen=True)
+class Source:
+    """Where drapes lie, and on which bodies in which poses."""
+
+    folder: Path
+    splits: tuple[Split, ...]
+
+    def split(self, name: str) -> Split:
+        return next(s for s in self.splits if s.name == name)
+
+
+#: In random poses.
+RELAXED = Source(DATA / "garnet", SPLITS)
+#: On the same bodies, in captured movement, half of training's in random poses (`teacher.garnet_drapes`).
+SIMULATED = Source(DATA / "garnet_simulated", tuple(replace(s, captured=8) for s in SPLITS))
+
+
+@dataclass(frozen=True)
 class Drape:
     """One to make."""
 
@@ -74,6 +108,7 @@ class Drape:
     pose: int
 
     def path(self, out: Path) -> Path:
+        """Where it is kept."""
         return out / self.garment / self.split.name / f"{self.body:03d}_{self.pose:02d}.npz"
 
 
@@ -155,7 +190,7 @@ def main() -> None:
     p.add_argument("--minutes", type=float, default=60)
     p.add_argument("--part", type=int, default=0, help="which of every --parts drapes to make")
     p.add_argument("--parts", type=int, default=1)
-    p.add_argument("--out", type=Path, default=GARNET)
+    p.add_argument("--out", type=Path, default=RELAXED.folder)
     p.add_argument("--device", default="cpu")
     p.add_argument("--batch", type=int, default=8, help="drapes relaxed at once: 8 for a core, 256 for a GPU")
     p.add_argument("--workers", type=int, default=1, help="processes that judge drapes")

@@ -14,7 +14,7 @@ from garment import garnet_tables as tables
 from garment.dual_quaternions import blended, warp
 from garment.graph import build
 from garment.refine import refined
-from garnet_data import GARNET, Split, samples
+from garnet_data import RELAXED, Split, samples
 from nets.deepsd import top_four
 from nets.garnet import AVERAGED, POOLED, THINNED, Neighbours
 from relax import influences
@@ -95,7 +95,7 @@ class Scenes:
         return Neighbours(garment.ring, garment.ring_weight, garment.thinned, self.pooled.long())
 
 
-def load(kind: str, split: Split, bank: BodyBank, folder: Path = GARNET) -> tuple[Garment, Scenes]:
+def load(kind: str, split: Split, bank: BodyBank, folder: Path = RELAXED.folder) -> tuple[Garment, Scenes]:
     """Every good drape of one garment in a split. Raises FileNotFoundError when there is none."""
     sample = samples(folder)[kind]
     garment, rows = Garment.of(sample, bank), []

@@ -23,7 +23,7 @@ from torch import Tensor, nn
 import garnet_losses as losses
 import optimisers
 from devices import on
-from garnet_data import GARNET, SIMULATED, SPLITS
+from garnet_data import RELAXED, SIMULATED
 from garnet_scenes import SCALES, Garment, Scenes, load
 from nets.garnet import GarNet, Sizes, Variant
 from outfits.garnet_garments import PATTERNS
@@ -124,8 +124,9 @@ def main() -> None:
     p.add_argument("--batch", type=int, default=2, help="drapes a step: 2 for a core, 16 for a GPU")
     a = p.parse_args()
     torch.manual_seed(0)
-    train = SPLITS[0]
-    garment, scenes = on(load(a.garment, train, train.bank(), SIMULATED if a.simulated else GARNET), a.device)
+    source = SIMULATED if a.simulated else RELAXED
+    train = source.split("train")
+    garment, scenes = on(load(a.garment, train, train.bank(), source.folder), a.device)
     print(f"{len(scenes)} drapes of {scenes.warped.shape[1]} vertices", flush=True)
     net = GarNet(Sizes(variant=a.variant)).to(a.device)
     if start := a.resume or (checkpoint(a.garment, a.variant, "", a.simulated) if a.curvature else None):

@@ -12,7 +12,7 @@ import torch
 from PIL import Image
 
 from evaluate_garnet import ROWS, network
-from garnet_data import GARNET, SPLITS
+from garnet_data import RELAXED, SPLITS
 from garnet_scenes import Garment, Scenes, load
 from outfits.garnet_garments import PATTERNS
 from training_data import BodyBank
@@ -39,7 +39,7 @@ def row(kind: str, garment: Garment, one: Scenes, bank: BodyBank) -> list[Image.
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--drapes", type=Path, default=GARNET)
+    p.add_argument("--drapes", type=Path, default=RELAXED.folder)
     p.add_argument("--each", type=int, default=1, help="drapes of each garment")
     p.add_argument("--out", type=Path, default=OUT)
     a = p.parse_args()

@@ -18,7 +18,7 @@ from torch import Tensor
 
 import garnet_losses as losses
 from evaluate_garnet import ROWS, network
-from garnet_data import GARNET, SPLITS
+from garnet_data import RELAXED, SPLITS
 from garnet_scenes import Garment, Scenes, load
 from outfits.garnet_garments import PATTERNS
 
@@ -52,7 +52,7 @@ def below(values: NDArray, thresholds: NDArray) -> NDArray:
 
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--drapes", type=Path, default=GARNET)
+    p.add_argument("--drapes", type=Path, default=RELAXED.folder)
     p.add_argument("--out", type=Path, default=OUT)
     a = p.parse_args()
     split = SPLITS[2]

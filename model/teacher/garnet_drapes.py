@@ -1,8 +1,8 @@
 """Simulated drapes of the garments that GarNet drapes: `python -m teacher.garnet_drapes --minutes 120`.
 
-Those of `garnet_data`, on the same bodies and in the same poses, simulated and judged as the evaluation set is
-(`drapes`), in fewer time steps. Drapes that are there already are kept, so that a run can be stopped; the garments take
-turns, and test drapes come with the first training poses.
+On the bodies of `garnet_data` in captured movement, half of those to train on in its random poses, simulated and judged
+as the evaluation set is (`drapes`), in fewer time steps. Drapes that are there already are kept, so that a run can be
+stopped; the garments take turns, and test drapes come with the first training poses.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from pathlib import Path
 import numpy as np
 
 from body.humanoid import Rotations
-from garnet_data import SIMULATED, SPLITS, Drape, Split, samples
+from garnet_data import SIMULATED, Drape, Split, samples
 from outfits.garnet_garments import PATTERNS
 from pixel_data import worn
-from training_data import ShapeValues, random_bodies
+from training_data import ShapeValues
 
 from .checks import Limits
 from .garment import simulated
@@ -36,13 +36,13 @@ TOGETHER = 4
 @cache
 def bodies(split: Split) -> list[tuple[ShapeValues, list[Rotations]]]:
     """A split's bodies, each with its poses."""
-    return random_bodies(split.bodies, split.poses, split.seed)
+    return split.clothed()
 
 
 def jobs() -> Iterator[list[Drape]]:
     """All drapes, some of one garment on one body at a time."""
-    for first in range(0, max(s.poses for s in SPLITS), TOGETHER):
-        for split in SPLITS:
+    for first in range(0, max(s.poses for s in SIMULATED.splits), TOGETHER):
+        for split in SIMULATED.splits:
             poses = range(first, min(first + TOGETHER, split.poses))
             for body, kind in product(split.worn if poses else (), PATTERNS):
                 yield [Drape(kind, split, body, pose) for pose in poses]
@@ -71,7 +71,7 @@ def make(together: list[Drape], out: Path, until: float) -> Counter[str]:
 def main() -> None:
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--minutes", type=float, default=120)
-    p.add_argument("--out", type=Path, default=SIMULATED)
+    p.add_argument("--out", type=Path, default=SIMULATED.folder)
     p.add_argument("--workers", type=int, default=2)
     a = p.parse_args()
     samples(a.out)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -9,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from body import quaternions as qt
 from body.anny_body import AnnyBody
 from body.humanoid import Rotations, joint_rotations
+from body.mimic_clips import HINGES, JOINTS, WIDTH, read_mimic
 from body.motion_capture import read_bvh, retargeted
 from body.pose_sampling import sample_poses
 from body.posture import SIDES, Posture, arm, leg
@@ -159,6 +162,38 @@ def test_what_is_wrong_with_a_file_is_said(old: str, new: str, said: str) -> Non
     assert old in text
     with pytest.raises(ValueError, match=said):
         read_bvh(text.replace(old, new, 1))
+
+
+def mimic(**turns: np.ndarray | float) -> str:
+    """One frame of DeepMimic's humanoid, its joints turned by quaternions xyzw or a hinge's angle."""
+    frame = np.zeros(WIDTH)
+    frame[0] = 1 / 30
+    for name, (_, _, column) in JOINTS.items():
+        if name in HINGES:
+            frame[column] = turns.get(name, 0.0)
+        elif column is not None:
+            frame[column : column + 4] = np.roll(turns.get(name, qt.IDENTITY), 1)
+    return json.dumps({"Loop": "wrap", "Frames": [frame.tolist()]})
+
+
+def test_deepmimics_arms_and_shins_point_where_it_says() -> None:
+    text = mimic(rightArm=qt.about(qt.X, -90), leftLeg=-np.pi / 2, leftForeArm=np.pi / 2)
+    (pose,) = retargeted(read_mimic(text), 30)
+    found = directions(pose)
+    wanted = {"rightUpperArm": -qt.X, "leftUpperArm": -qt.Y, "leftLowerArm": qt.Z, "leftLowerLeg": -qt.Z}
+    for name, v in (wanted | {"leftUpperLeg": -qt.Y, "rightLowerLeg": -qt.Y}).items():
+        assert v @ found[name] > np.cos(np.radians(0.5)), name
+
+
+def test_deepmimics_chest_bends_loins_and_ribs_and_its_pelvis_the_whole_body() -> None:
+    (pose,) = retargeted(read_mimic(mimic(chest=qt.about(qt.Z, -40), hips=qt.about(qt.Y, 30))), 30)
+    # Ahead is x there and z here, to the right z there and -x here.
+    np.testing.assert_allclose(pose["hips"], qt.about(qt.Y, 30), atol=1e-6)
+    np.testing.assert_allclose(pose["spine"], qt.about(qt.X, 20), atol=1e-6)
+    whole = Rotation.from_euler("YX", [30, 40], degrees=True).as_matrix()
+    np.testing.assert_allclose(turned(pose, *SPINE), whole, atol=1e-6)
+    with pytest.raises(ValueError, match="44 finite numbers"):
+        read_mimic(json.dumps({"Frames": [[0.1, 2.0]]}))
 
 
 def test_what_is_wrong_with_a_skeleton_is_said() -> None:

@@ -126,7 +126,7 @@ def test_the_table_tells_better_from_worse(scenes: tuple[Garment, Scenes]) -> No
 
 def test_captured_poses_are_relaxed_on_bodies_of_the_test(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pose = {"leftUpperArm": np.array([0, 0, 0.1, 0.995])}
-    split = Captured("clip", 2, 1, SPLITS[-1].seed, (pose,))
+    split = Captured("clip", 2, 1, SPLITS[-1].seed, rotations=(pose,))
     tested = Split("test", 2, 1, SPLITS[-1].seed).bank().entries[1]
     torch.testing.assert_close(split.bank().entries[1].shape, tested.shape)
     samples(tmp_path, density=600)
