@@ -2,7 +2,7 @@
 
 The T-shirt of the method, or with `--garment tie` its necktie, on the reference body in sampled poses of the upper body
 (Jin et al. 2020, section 6), relaxed to the least energy of the cloth (`relax.py`). Seeded; chunks that are there
-already are kept, so a run can be stopped, and several runs with different `--part` share the work. The T-shirt is also
+already are kept, so a run can be stopped, and several runs with different `--part` share the work. Both are also
 simulated in these poses (`teacher.pixel_drapes`).
 """
 

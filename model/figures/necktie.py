@@ -1,7 +1,7 @@
 """The necktie of pixel cloth in poses of the test (Jin et al. 2020, Figure 17): `python -m figures.necktie`.
 
 One row a pose, the ones in which it hangs farthest from the body; columns: where the body carries its pixels, the
-network before any resolve, and relaxed. Into docs/pictures/necktie.jpg.
+network before any resolve, and simulated. Into docs/pictures/necktie.jpg.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 import torch
 
 from body.anny_body import AnnyBody
-from pixel_data import RELAXED, Drapes, necktie
+from pixel_data import SIMULATED, Drapes, necktie
 from pixel_scenes import draped, scenes
 from pixel_tables import NECKTIE, trained
 from train_pixel import answers
@@ -29,7 +29,7 @@ def main() -> None:
     p.add_argument("--out", type=Path, default=OUT)
     a = p.parse_args()
     garment, net = trained(necktie(), NECKTIE)
-    test = RELAXED.load("tie")["test"]
+    test = SIMULATED.load("tie")["test"]
     away = scenes(garment, test, "reference").offsets.norm(dim=-1).amax(1)
     rows = away.argsort(descending=True)[: 2 * a.poses : 2]
     some = Drapes(test.x[rows], test.transforms[rows], test.number[rows])
@@ -37,9 +37,8 @@ def main() -> None:
     ways = [draped(torch.zeros_like(data.offsets), garment, data), answers(net, garment, data), some.x]
     skin, faces, cloth = bodies(some).numpy(), AnnyBody.load().triangles, garment.triangles.numpy()
     dressed = lambda k, x: cell([Drawn(skin[k], faces), Drawn(x[k].numpy(), cloth, CLOTH[0])])  # noqa: E731
-    grid([[dressed(k, x) for x in ways] for k in range(len(rows))], ("pixels on the body", "network", "relaxed")).save(
-        a.out, quality=88
-    )
+    columns = ("pixels on the body", "network", "simulated")
+    grid([[dressed(k, x) for x in ways] for k in range(len(rows))], columns).save(a.out, quality=88)
 
 
 if __name__ == "__main__":
