@@ -24,7 +24,7 @@ from safetensors.numpy import load, save
 import export_pixel
 from bake import metadata, tell
 from body.pose_sampling import sample_poses
-from garment.binding import garment_joint_names
+from garment.embedding import REACH, hips
 from garment.mirror import asymmetry, opposite
 from garment.uv_panels import uv_panels
 from outfits.mesh import GarmentMesh
@@ -43,8 +43,8 @@ ARTIFACTS = Path(__file__).parent / "artifacts"
 COUNT, CHUNK, SEED = 2000, 4, 9_500
 #: Share of the time that drapes are made in.
 MAKING = 0.5
-#: m below the hips from which a garment moves with the legs, and by which one may differ from its mirror image (99 %).
-REACH, SYMMETRIC = 0.12, 5e-3
+#: m by which a garment may differ from its mirror image (99 %).
+SYMMETRIC = 5e-3
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,7 @@ def task(name: str, tensors: dict[str, NDArray]) -> Task:
     drawn, triangles = (tensors[f"drawn_{k}"].astype(np.int64) for k in ("vertices", "triangles"))
     vertices = sample.vertices.double().numpy()
     panels = uv_panels(vertices, drawn, triangles.reshape(-1, 3), tensors["uvs"].reshape(-1, 2))
-    hips = in_poses(BodyBank(0, 0, 0), [{}]).joints[garment_joint_names().index("upperleg01.L"), 1].item()
-    joints = WHOLE_BODY if vertices[:, 1].min() < hips - REACH else JOINTS
+    joints = WHOLE_BODY if vertices[:, 1].min() < hips() - REACH else JOINTS
     garment = Garment.laid(sample, panels, joints=joints)
     return Task(name, tensors["positions"].reshape(-1, 3), sample, rig, garment)
 

@@ -14,7 +14,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.spatial import cKDTree
 
 from body.anny_body import AnnyBody
-from garment.binding import bind, reference_surface
+from garment.binding import LEG_LEFT, LEG_RIGHT, TRUNK, bind, reference_surface
 from garment.graph import build, mesh_edges, open_sides
 from garment.refine import refined
 
@@ -23,14 +23,18 @@ Ints = NDArray[np.integer]
 
 #: Rounds of evening out, share of the way to the neighbours' middle in each, and body vertices looked around.
 ROUNDS, SHARE, LOOKED = 40, 0.5, 3
+#: m below the hips from which a garment moves with the legs.
+REACH = 0.12
+#: m by which one leg is nearer than the other where cloth over both lies on the nearer alone.
+BETWEEN = 0.1
 
 
 @dataclass(frozen=True)
 class Embedding:
-    """Where N vertices of cloth lie on a body."""
+    """Where N vertices of cloth lie on a body: each in K = 3 corners of a triangle, or of K / 3 that share it."""
 
-    corners: Ints  # (N, 3) body vertices of the triangle that each lies in
-    weight: Floats  # (N, 3) barycentric, rows sum to 1
+    corners: Ints  # (N, K) body vertices
+    weight: Floats  # (N, K) barycentric, rows sum to 1
 
     def places(self, body: Floats) -> Floats:
         """On a body (V, 3) in any pose, (N, 3)."""
@@ -105,11 +109,36 @@ def closest(points: Floats, corners: Floats) -> Floats:
 
 
 def worn_tight(vertices: Floats, triangles: Ints) -> Embedding:
-    """A garment (N, 3), as it is drawn on the reference body, tight on that body."""
+    """A garment (N, 3), as it is drawn on the reference body, tight on that body.
+
+    Cloth that hangs over both legs lies on both: carried by the nearer one alone, it would part between them.
+    """
     fine, surface = refined(vertices, triangles), reference_surface()
     graph = build(fine.vertices, fine.triangles, np.zeros(len(fine.vertices), np.int64))
     limb = bind(fine.vertices, graph).limb[: len(vertices)]
-    return wrapped(vertices, triangles, limb, Skin(surface.vertices, AnnyBody.load().triangles, surface.touches))
+    skin = Skin(surface.vertices, AnnyBody.load().triangles, surface.touches)
+    is_shared = limb == TRUNK
+    if not vertices[is_shared, 1].min(initial=np.inf) < hips() - REACH:
+        return wrapped(vertices, triangles, limb, skin)
+    left, right = (wrapped(vertices, triangles, np.where(is_shared, leg, limb), skin) for leg in (LEG_LEFT, LEG_RIGHT))
+    share = _of_the_right(vertices, skin)[:, None]
+    return Embedding(
+        np.concatenate([left.corners, right.corners], 1),
+        np.concatenate([(1 - share) * left.weight, share * right.weight], 1),
+    )
+
+
+def _of_the_right(vertices: Floats, skin: Skin) -> Floats:
+    """Share of the right leg in carrying cloth (N, 3) that hangs over both, (N,)."""
+    on_leg = (skin.nearest(vertices, np.full(len(vertices), leg)) for leg in (LEG_LEFT, LEG_RIGHT))
+    left, right = (np.linalg.norm(found.places(skin.vertices) - vertices, axis=1) for found in on_leg)
+    return np.clip(0.5 + (left - right) / (2 * BETWEEN), 0, 1)
+
+
+def hips() -> float:
+    """Height of the reference body's hip joints, m."""
+    body = AnnyBody.load()
+    return float(body.shape().joints[body.joint_names.index("upperleg01.L"), 1])
 
 
 def wrapped(vertices: Floats, triangles: Ints, limb: Ints, skin: Skin) -> Embedding:

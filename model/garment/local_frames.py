@@ -23,8 +23,8 @@ Ints = NDArray[np.integer]
 class Frames:
     """Tables of the Q vertices of a garment's panels (sites), embedded in a body."""
 
-    corners: Tensor  # (Q, 3) body vertices of the triangle that holds each site
-    weight: Tensor  # (Q, 3) rows sum to 1
+    corners: Tensor  # (Q, K) body vertices that hold each site, as of `Embedding`
+    weight: Tensor  # (Q, K) rows sum to 1
     around: Tensor  # (Q, A) sites around each, padded with itself
     along: Tensor  # (Q, A) weights whose sum of places goes along u; rows sum to 0
 

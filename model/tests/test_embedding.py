@@ -7,9 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from garment.binding import reference_surface
-from garment.embedding import Embedding, closest, worn_tight
+from garment.embedding import Embedding, closest, hips, worn_tight
 from garment.graph import mesh_edges
 from outfits.garnet_garments import garnet_garment
+from outfits.generate import generate
 from outfits.mesh import GarmentMesh
 
 
@@ -57,6 +58,22 @@ def test_cloth_of_the_trunk_is_not_held_by_an_arm(worn: tuple[GarmentMesh, Embed
     held = reference_surface().arm[embedding.corners[hem]].sum(-1)
     assert hem.sum() > 50
     assert held.max() < 0.6
+
+
+def test_a_skirt_lies_over_both_legs_and_does_not_part_between_them() -> None:
+    skirt, surface = generate(1, "straight_skirt").garments[0], reference_surface()
+    embedding = worn_tight(skirt.vertices, skirt.triangles)
+    assert embedding.corners.shape == (len(skirt.vertices), 6)
+    np.testing.assert_allclose(embedding.weight.sum(1), 1)
+    step = surface.vertices + 0.15 * (surface.leg[:, :1] - surface.leg[:, 1:]) * [0, 0, 1]
+    moved = embedding.places(step) - embedding.places(surface.vertices)
+    side, front = skirt.vertices[:, 0], skirt.vertices[:, 2] > 0
+    low = front & (skirt.vertices[:, 1] < hips() - 0.2)
+    assert np.abs(moved[low & (np.abs(side) < 0.01), 2]).max() < 0.04, "the middle goes with both"
+    assert moved[low & (side > 0.1), 2].min() > 0.1, "the left with the left leg"
+    assert moved[low & (side < -0.1), 2].max() < -0.1
+    edges = mesh_edges(skirt.triangles)
+    assert np.linalg.norm(moved[edges[:, 0]] - moved[edges[:, 1]], axis=1).max() < 0.1
 
 
 def test_places_go_where_the_body_goes(worn: tuple[GarmentMesh, Embedding]) -> None:

@@ -63,8 +63,8 @@ impl Filter {
 struct Site {
     vertex: usize,
     share: f32,
-    corner: [usize; 3],
-    corner_weight: [f32; 3],
+    /// Vertices of the body that hold it, and their shares of it.
+    corners: Vec<(usize, f32)>,
     /// Sites around it; their places times these weights point along the pattern's u.
     along: Vec<(usize, f32)>,
     pixel: [usize; 4],
@@ -97,8 +97,9 @@ impl Hero {
     pub fn cloth(&self, images: &[f32], body: (&[Vec3], &[Vec3])) -> Vec<Vec3> {
         let (vertices, normals) = body;
         let mixed = |of: &[Vec3], site: &Site| -> Vec3 {
-            let parts = site.corner.iter().zip(site.corner_weight);
-            parts.map(|(&corner, weight)| of.get(corner).copied().unwrap_or_default() * weight).sum()
+            let part =
+                |&(corner, weight): &(usize, f32)| of.get(corner).copied().unwrap_or_default() * weight;
+            site.corners.iter().map(part).sum()
         };
         let places: Vec<Vec3> = self.sites.iter().map(|site| mixed(vertices, site)).collect();
         let mut offsets: Vec<Vec3> = self.sites.iter().map(|site| self.offset(images, site)).collect();
@@ -118,8 +119,8 @@ impl Hero {
     #[must_use]
     pub fn byte_size(&self) -> usize {
         let points = self.rest.len() + self.filter.mean.len() + self.filter.components.len();
-        let around: usize =
-            self.sites.iter().map(|site| size_of::<Site>() + size_of_val(site.along.as_slice())).sum();
+        let lists = |site: &Site| size_of_val(site.along.as_slice()) + size_of_val(site.corners.as_slice());
+        let around: usize = self.sites.iter().map(|site| size_of::<Site>() + lists(site)).sum();
         points * size_of::<Vec3>() + around + self.mask.len() + self.decoder.byte_size()
     }
 

@@ -29,6 +29,13 @@ impl Hero {
     }
 }
 
+/// Numbers of things and their weights.
+type Weighted = Vec<(usize, f32)>;
+
+fn unfit() -> DrapeError {
+    DrapeError::Stored("the tables of the sites do not fit each other".to_owned())
+}
+
 struct Tables<'a>(SafeTensors<'a>);
 
 impl Tables<'_> {
@@ -56,33 +63,42 @@ impl Tables<'_> {
 
     /// The sites of a garment of `own` vertices on a body of `body`, in images of `pixels`.
     fn sites(&self, own: usize, body: usize, pixels: usize) -> Result<Vec<Site>, DrapeError> {
-        let (vertex, corner) = (self.indices("vertex", own)?, self.indices("corner", body)?);
-        let (around, pixel) = (self.indices("around", vertex.len())?, self.indices("pixel", pixels)?);
-        let (share, along) = (self.floats::<1>("share")?, self.floats::<1>("along")?);
-        let corner_weight = self.floats::<3>("corner_weight")?;
-        let pixel_weight = self.floats::<4>("pixel_weight")?;
-        let (count, wide) = (vertex.len(), along.len() / vertex.len().max(1));
-        let rows = [corner.len() / 3, pixel.len() / 4, share.len(), corner_weight.len(), pixel_weight.len()];
-        let is_even = along.len() == wide * count && around.len() == along.len() && rows == [count; 5];
-        if count == 0 || wide == 0 || !is_even {
-            return Err(DrapeError::Stored("the tables of the sites do not fit each other".to_owned()));
+        let (vertex, pixel) = (self.indices("vertex", own)?, self.indices("pixel", pixels)?);
+        let (share, pixel_weight) = (self.floats::<1>("share")?, self.floats::<4>("pixel_weight")?);
+        let count = vertex.len();
+        let corners = self.weighted("corner", "corner_weight", (count, body))?;
+        let along = self.weighted("around", "along", (count, count))?;
+        let pixel = pixel.as_chunks::<4>().0;
+        if count == 0 || [pixel.len(), share.len(), pixel_weight.len()] != [count; 3] {
+            return Err(unfit());
         }
-        let (corner, pixel) = (corner.as_chunks::<3>().0, pixel.as_chunks::<4>().0);
-        let gradient = |k: usize| {
-            let row = k * wide..(k + 1) * wide;
-            let pairs = around[row.clone()].iter().copied().zip(along[row].iter().map(|w| w[0]));
-            pairs.filter(|(_, weight)| *weight != 0.0).collect()
-        };
-        let site = |k: usize| Site {
+        let lists = corners.into_iter().zip(along);
+        let site = |(k, (corners, along)): (usize, (Weighted, Weighted))| Site {
             vertex: vertex[k],
             share: share[k][0],
-            corner: corner[k],
-            corner_weight: corner_weight[k],
-            along: gradient(k),
+            corners,
+            along,
             pixel: pixel[k],
             pixel_weight: pixel_weight[k],
         };
-        Ok((0..count).map(site).collect())
+        Ok(lists.enumerate().map(site).collect())
+    }
+
+    /// For each of `count` sites what it is made of below `limit`, and the weights, those of 0 left out.
+    fn weighted(
+        &self,
+        indices: &str,
+        weights: &str,
+        (count, limit): (usize, usize),
+    ) -> Result<Vec<Weighted>, DrapeError> {
+        let (index, weight) = (self.indices(indices, limit)?, self.floats::<1>(weights)?);
+        let wide = weight.len() / count.max(1);
+        if wide == 0 || weight.len() != wide * count || index.len() != weight.len() {
+            return Err(unfit());
+        }
+        let pairs = index.into_iter().zip(weight.into_iter().map(|[w]| w)).collect::<Weighted>();
+        let used = |row: &[(usize, f32)]| row.iter().copied().filter(|(_, w)| *w != 0.0).collect();
+        Ok(pairs.chunks_exact(wide).map(used).collect())
     }
 
     fn integers(&self, name: &str) -> Result<Vec<i32>, DrapeError> {

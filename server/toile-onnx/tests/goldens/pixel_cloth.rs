@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
+use safetensors::SafeTensors;
+use safetensors::tensor::TensorView;
 use toile_drape::error::DrapeError;
-use toile_drape::hero::Hero;
+use toile_drape::hero::{Hero, SIDE};
 use toile_drape::methods::MethodKind;
 use toile_drape::pipeline::{Drape, DrapeRequest, Frame, Motion, drape};
 use toile_drape::studio::Studio;
@@ -115,6 +117,44 @@ fn poses_are_seen_as_in_training_whichever_way_the_body_faces() {
             assert!(seen.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-4));
         }
     }
+}
+
+/// The tables with every site held twice by its triangle, by shares of a quarter and three quarters.
+fn held_by_two() -> Vec<u8> {
+    let bytes = tables();
+    let file = SafeTensors::deserialize(&bytes).unwrap();
+    let twice = |name: &str, shares: [f32; 2]| -> Vec<u8> {
+        let rows = file.tensor(name).unwrap().data().as_chunks::<12>().0.iter();
+        let scaled = |word: &[u8; 4], share: f32| match name {
+            "corner" => *word,
+            _ => (share * f32::from_le_bytes(*word)).to_le_bytes(),
+        };
+        let of_row = |row: &[u8; 12]| {
+            shares.map(|share| row.as_chunks().0.iter().flat_map(|w| scaled(w, share)).collect::<Vec<_>>())
+        };
+        rows.flat_map(|row| of_row(row).concat()).collect()
+    };
+    let changed = ["corner", "corner_weight"].map(|name| (name.to_owned(), twice(name, [0.25, 0.75])));
+    let views = file.tensors().into_iter().map(|(name, kept)| {
+        let found = changed.iter().find(|(other, _)| *other == name);
+        let wider = |data| TensorView::new(kept.dtype(), vec![kept.shape()[0], 6], data).unwrap();
+        let view = found.map(|(_, data)| wider(data));
+        (name, view.unwrap_or(kept))
+    });
+    safetensors::serialize(views.collect::<Vec<_>>(), None).unwrap()
+}
+
+#[test]
+fn cloth_may_lie_on_several_triangles() {
+    let body = body();
+    let (once, twice) = (tables(), held_by_two());
+    let [once, twice] =
+        [once, twice].map(|bytes| Hero::from_safetensors(&bytes, body.vertex_count()).unwrap());
+    let rest = body.shape(&BodyShape::default()).apose_vertices;
+    let images = vec![0.01; 6 * SIDE * SIDE];
+    let cloth = [once, twice].map(|hero| hero.cloth(&images, (&rest, &rest)));
+    assert!(cloth[0].iter().zip(&cloth[1]).all(|(a, b)| a.distance(*b) < 1e-5));
+    assert!(cloth[0].iter().all(|p| p.y > 0.5), "on the trunk");
 }
 
 #[test]
