@@ -34,6 +34,8 @@ from training_data import Sample
 
 RUNS = Path(__file__).parent / "runs" / "pixel"
 Norm = Literal["l1", "l2"]
+#: Steps in which the rate rises: at full rate from the first, offsets along u may stay unlearned for hundreds.
+RISE = 100
 #: A whole garment, and small networks for patches.
 PATCHED = (48, 32, 24, 16, 12)
 
@@ -63,13 +65,14 @@ def losses(images: Tensor, garment: Garment, s: Scenes, settings: Settings) -> d
 
 
 def learn(net: PixelCloth, garment: Garment, data: Scenes, s: Settings) -> None:
-    """The training loop: Adam, cosine rate, a log line every hundred steps."""
+    """The training loop: Adam, a rate that rises and then falls as a cosine, a log line every hundred steps."""
     rng, started, count, history = np.random.default_rng(s.seed), time.time(), 0, []
     net = net.to(memory_format=torch.channels_last)
     adam = torch.optim.Adam(net.parameters(), s.rate, betas=(0.9, 0.98))
     while (progress := max((time.time() - started) / (60 * s.minutes), count / s.steps)) < 1:
+        rise = min(1.0, (count + 1) / RISE)
         for group in adam.param_groups:
-            group["lr"] = s.rate * (0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * progress)))
+            group["lr"] = s.rate * rise * (0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * progress)))
         batch = data.pick(torch.as_tensor(rng.integers(len(data), size=s.batch)).to(data.pose.device))
         with torch.autocast(batch.pose.device.type, torch.bfloat16):
             images = net(batch.pose)

@@ -142,7 +142,7 @@ def test_training_lowers_the_error(garment: Garment, data: Scenes) -> None:
     torch.manual_seed(0)
     net = train_pixel.network(garment)
     before = train_pixel.measures(train_pixel.answers(net, garment, data), garment, data)["error_cm"]
-    train_pixel.learn(net.train(), garment, data, Settings(1, batch=3, steps=12))
+    train_pixel.learn(net.train(), garment, data, Settings(2, batch=3, steps=40))
     assert train_pixel.measures(train_pixel.answers(net, garment, data), garment, data)["error_cm"] < before
 
 
