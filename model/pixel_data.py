@@ -36,6 +36,7 @@ from pixel_poses import upper_body_poses
 from posed_bodies import Bodies
 from relax import Worn, follow
 from teacher.checks import Judged, Limits, crossing, judge
+from teacher.drapes import FREE
 from training_data import DATA, BodyBank, Sample, ShapedPoses, load_sample
 
 PIXEL = DATA / "pixel"
@@ -45,8 +46,6 @@ DENSITY = 3000
 COUNT, SEED = 5120, 9_001
 #: Steps of a relaxation, as of `garnet_data`.
 STEPS = 640
-#: m from the body at which cloth neither lies on it nor is held by it.
-FREE = 0.05
 #: Every tenth drape each is for validation and for the test (section 6.3: 80/10/10).
 SPLITS = {"train": range(8), "validation": range(8, 9), "test": range(9, 10)}
 

@@ -48,7 +48,7 @@ SEED = 40_000
 PERTURBED = 0.002
 #: m, distance within which garments lie over each other.
 LAYERED = 0.05
-#: m from the skin at which it bears nothing.
+#: m from the body at which cloth neither lies on it nor is held by it.
 FREE = 0.05
 
 
