@@ -35,7 +35,9 @@ JOINTS: dict[str, tuple[str, tuple[float, float, float], int | None]] = {
     "leftForeArm": ("leftArm", (0.0, -0.274788, 0.0), 43),
     "leftHand": ("leftForeArm", (0.0, -0.258947, 0.0), None),
 }
+#: Joints that turn about z alone.
 HINGES = ("rightLeg", "rightForeArm", "leftLeg", "leftForeArm")
+#: Numbers of a frame.
 WIDTH = 44
 
 
