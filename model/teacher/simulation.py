@@ -23,6 +23,7 @@ from garment.graph import mesh_edges
 from garment.rest_mesh import rest_mesh, topology
 
 from . import hinges
+from .quick_solver import QuickSolver
 
 CollisionSlot, Frequency = SolverVBD.CollisionSlot, SolverVBD.CollisionFrequencyType
 Floats = NDArray[np.floating]
@@ -44,7 +45,7 @@ class Stage:
     most: int  # steps at most
     keep: float  # share of its speed that cloth keeps from step to step
     least: int = 0  # steps before cloth may count as at rest
-    again: bool = True  # contacts of cloth are looked for again once a step's fall is known, or it falls less far
+    looks: float = 2.0  # for contacts of cloth, a step; twice is again once its fall is known, or it falls less far
 
 
 @dataclass(frozen=True)
@@ -68,10 +69,10 @@ class Settings:
     damping: float = 1e-4  # of stretch (N s/m) and bending (N s), beside the speed that steps lose
 
 
-#: Of cloth to learn from: in a quarter of the time it ends about as far from there as the judge from itself
+#: Of cloth to learn from: in a ninth of the time it ends about as far from there as the judge from itself
 #: (model/LOG.md).
 QUICK = Settings(
-    stages=(Stage(0.004, 100, 0.99, 100), Stage(0.002, 300, 0.96, 150, again=False)), still=2e-3, damping=0.0
+    stages=(Stage(0.004, 100, 0.99, 100), Stage(0.002, 300, 0.96, 150, looks=0.5)), still=2e-3, damping=0.0
 )
 
 
@@ -99,7 +100,7 @@ class Cloth:
 def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Settings) -> Resting:
     """Lets cloth settle on a body, (V, 3) and (F, 3), from `start`, (N, 3) outside of it."""
     model = scene(cloth, body, s)
-    solver = sweeping(model, s)
+    moving = solver(model, s)
     now, then, control = model.state(), model.state(), model.control()
     now.particle_q.assign(start.astype(np.float32))
     for state in (now, then):
@@ -107,18 +108,20 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
     pipeline = newton.CollisionPipeline(model)
     contacts, seen, residual, count = pipeline.contacts(), start, np.inf, 0
 
-    def recorded(before: newton.State, after: newton.State, step: float) -> wp.Graph:
+    def recorded(before: newton.State, after: newton.State, step: float, looking: bool) -> wp.Graph:
         """A step without the time that Python takes to ask for each of its hundreds of kernels."""
+        moving.looking = looking
         with wp.ScopedCapture() as capture:
             pipeline.collide(before, contacts)
-            solver.step(before, after, control, contacts, step)
+            moving.step(before, after, control, contacts, step)
         return capture.graph
 
     for stage in s.stages:
         every = max(1, round(s.watch / stage.step))
-        often = Frequency.PRE_POST_INIT if stage.again else Frequency.PRE_INIT
-        solver.set_collision_frequency(collision_frequency_type={CollisionSlot.SOFT_SELF_CONTACT: often})
-        forth, back = recorded(now, then, stage.step), recorded(then, now, stage.step)
+        often = Frequency.PRE_POST_INIT if stage.looks > 1 else Frequency.PRE_INIT
+        moving.set_collision_frequency(collision_frequency_type={CollisionSlot.SOFT_SELF_CONTACT: often})
+        moving.every = 1 if stage.looks >= 1 else 2
+        forth, back = recorded(now, then, stage.step, True), recorded(then, now, stage.step, stage.looks >= 1)
         for k in range(1, stage.most + 1):
             wp.capture_launch(forth)
             now, then, forth, back = then, now, back, forth
@@ -132,9 +135,10 @@ def equilibrium(cloth: Cloth, start: Floats, body: tuple[Floats, Ints], s: Setti
     return Resting(now.particle_q.numpy().copy(), residual, count)
 
 
-def sweeping(model: newton.Model, s: Settings) -> SolverVBD:
+def solver(model: newton.Model, s: Settings) -> SolverVBD:
     """What moves a scene's cloth by a time step."""
-    return SolverVBD(
+    kind = SolverVBD if s.damping or wp.get_device().is_cuda else QuickSolver
+    return kind(
         model, iterations=s.iterations, particle_enable_self_contact=True, particle_self_contact_margin=s.layers,
         particle_self_contact_gap=s.look, particle_rest_shape_contact_exclusion_radius=2 * s.layers,
         particle_topological_contact_filter_threshold=2, friction_epsilon=s.slip,
