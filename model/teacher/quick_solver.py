@@ -7,11 +7,15 @@ and kept from meeting cloth that is near. What differs is the order in which a C
 from __future__ import annotations
 
 import newton
+import numpy as np
 import warp as wp
 from newton.solvers import SolverVBD
 
 from .lanes import Skin, lanes, solve_elasticity
-from .self_contact import Near, Touch, gather, keep_apart, push_apart
+from .self_contact import Near, Search, Touch, find_corners, find_edges, keep_apart, push_apart
+
+#: Pairs that a look may find for each edge and vertex, more than ever were.
+ROOM = 8
 
 
 class QuickSolver(SolverVBD):
@@ -26,15 +30,33 @@ class QuickSolver(SolverVBD):
         self._particle_contact_use_gather = True
         self.lanes, self.firsts = lanes(model)
         self.lame = float(model.tri_materials.numpy()[0, 0])
-        found = self.trimesh_collision_info
-        self.near, self.touch = Near(), Touch()
-        self.near.edges = wp.zeros(len(found.edge_colliding_edges) // 2, dtype=wp.vec2i)
-        self.near.corners = wp.zeros(len(found.vertex_colliding_triangles) // 2, dtype=wp.vec2i)
-        self.near.counts = wp.zeros(2, dtype=int)
-        self.near.edge_ends, self.near.triangles = model.edge_indices, model.tri_indices
-        self.touch.distance, self.touch.stiffness = self.particle_self_contact_margin, model.soft_contact_ke
-        self.touch.damping, self.touch.friction = model.soft_contact_kd, model.soft_contact_mu
-        self.touch.slip, self.touch.parallel = self.friction_epsilon, self._self_contact_edge_edge_parallel_epsilon
+        self.near, self.touch, self.search = self._near(), self._touch(), self._search()
+        self.all = wp.array(np.arange(model.particle_count), dtype=int)
+
+    def _near(self) -> Near:
+        near, model = Near(), self.model
+        near.edges = wp.zeros(ROOM * model.edge_count, dtype=wp.vec2i)
+        near.corners = wp.zeros(ROOM * model.particle_count, dtype=wp.vec2i)
+        near.counts = wp.zeros(2, dtype=int)
+        near.edge_ends, near.triangles = model.edge_indices, model.tri_indices
+        return near
+
+    def _touch(self) -> Touch:
+        touch, model = Touch(), self.model
+        touch.distance, touch.stiffness = self.particle_self_contact_margin, model.soft_contact_ke
+        touch.damping, touch.friction = model.soft_contact_kd, model.soft_contact_mu
+        touch.slip, touch.parallel = self.friction_epsilon, self._self_contact_edge_edge_parallel_epsilon
+        return touch
+
+    def _search(self) -> Search:
+        search, around = Search(), self.trimesh_collision_detector
+        search.reach = self._self_contact_query_radius
+        search.least = self.particle_rest_shape_contact_exclusion_radius
+        search.parallel, search.rest = around.edge_edge_parallel_epsilon, self.particle_q_rest
+        search.edges_by_edge, search.edge_rows = around.edge_filtering_list, around.edge_filtering_list_offsets
+        search.triangles_by_vertex = around.vertex_triangle_filtering_list
+        search.vertex_rows = around.vertex_triangle_filtering_list_offsets
+        return search
 
     def _refresh_collision_sets(self, state: newton.State, dt: float, **detectors: bool) -> None:
         if self.looking:
@@ -42,20 +64,35 @@ class QuickSolver(SolverVBD):
         else:
             self._reset_dat_references(state, reset_rigid_soft=False, reset_particles=True)
 
-    def _collision_detection_penetration_free(self, current_state: newton.State, **settings: bool) -> None:
-        super()._collision_detection_penetration_free(current_state, **settings)
-        wp.launch(gather, dim=1, inputs=[self.trimesh_collision_info, self.near])
+    def _collision_detection_penetration_free(
+        self, current_state: newton.State, *, reset_reference: bool = True
+    ) -> None:
+        assert not reset_reference
+        trees, x = self.trimesh_collision_detector, current_state.particle_q
+        trees.refit(x)
+        self.near.counts.zero_()
+        wp.launch(find_edges, dim=self.model.edge_count, inputs=[trees.bvh_edges.id, self.search, x, self.near])
+        wp.launch(find_corners, dim=len(x), inputs=[trees.bvh_tris.id, self.search, x, self.near])
+
+    def _penetration_free_truncation(self, state: newton.State, contacts: newton.Contacts | None) -> None:
+        self.truncation_ts.fill_(1.0)
+        self._keep_apart(-1, self.all, state.particle_q)
+
+    def _keep_apart(self, colour: int, members: wp.array, now: wp.array) -> None:
+        # Two vertices that were not near each other at the look must not meet before the next.
+        gamma = self.dat_conservative_bound_relaxation
+        most = 0.5 * gamma * self._self_contact_query_radius / self.every
+        wp.launch(keep_apart, dim=1, inputs=[
+            colour, members, self.model.particle_colors, self.near, gamma, most, self.pos_prev_collision_detection,
+            self.truncation_ts, self.particle_displacements, now,
+        ])  # fmt: skip
 
     def _solve_particle_iteration(
         self, state_in: newton.State, state_out: newton.State, contacts: newton.Contacts, dt: float
     ) -> None:
         self.particle_forces.zero_()
         self.particle_hessians.zero_()
-        self.truncation_ts.fill_(1.0)
         now, skin, colours = state_in.particle_q, self._skin(contacts), self.model.particle_colors
-        gamma = self.dat_conservative_bound_relaxation
-        # Two vertices that were not near each other at the look must not meet before the next.
-        most = 0.5 * gamma * self._self_contact_query_radius / self.every
         for colour, members in enumerate(self.model.particle_color_groups):
             wp.launch(push_apart, dim=1, inputs=[
                 dt, colour, colours, self.near, self.touch, self.particle_q_prev, now, self.particle_forces,
@@ -66,10 +103,7 @@ class QuickSolver(SolverVBD):
                 first, dt, self.lame, self.lanes, skin, self.particle_q_prev, now, self.inertia,
                 self.model.particle_mass, self.particle_forces, self.particle_hessians, self.particle_displacements,
             ])  # fmt: skip
-            wp.launch(keep_apart, dim=1, inputs=[
-                colour, members, colours, self.near, gamma, most, self.pos_prev_collision_detection,
-                self.truncation_ts, self.particle_displacements, now,
-            ])  # fmt: skip
+            self._keep_apart(colour, members, now)
         wp.copy(state_out.particle_q, now)
 
     def _skin(self, contacts: newton.Contacts) -> Skin:

@@ -8,11 +8,7 @@ World space, SI.
 from __future__ import annotations
 
 import warp as wp
-from newton._src.geometry.tri_mesh_collision import (
-    TriMeshCollisionInfo,
-    get_edge_colliding_edges_count,
-    get_vertex_colliding_triangles_count,
-)
+from newton._src.geometry.kernels import triangle_closest_point
 from newton._src.solvers.vbd.particle_vbd_kernels import (
     create_edge_edge_division_plane_closest_pt,
     create_vertex_triangle_division_plane_closest_pt,
@@ -45,25 +41,6 @@ class Touch:
     parallel: float  # sine of the angle below which edges count as parallel
 
 
-@wp.kernel
-def gather(found: TriMeshCollisionInfo, near: Near) -> None:
-    """Lists the pairs of a look for contacts, one thread."""
-    count = wp.int32(0)
-    for e in range(found.edge_colliding_edges_buffer_sizes.shape[0]):
-        start = found.edge_colliding_edges_offsets[e]
-        for k in range(get_edge_colliding_edges_count(found, e)):
-            near.edges[count] = wp.vec2i(e, found.edge_colliding_edges[2 * (start + k) + 1])
-            count += 1
-    near.counts[0] = count
-    count = wp.int32(0)
-    for v in range(found.vertex_colliding_triangles_buffer_sizes.shape[0]):
-        start = found.vertex_colliding_triangles_offsets[v]
-        for k in range(get_vertex_colliding_triangles_count(found, v)):
-            near.corners[count] = wp.vec2i(v, found.vertex_colliding_triangles[2 * (start + k) + 1])
-            count += 1
-    near.counts[1] = count
-
-
 @wp.func
 def ends(pair: wp.vec2i, near: Near) -> wp.vec4i:
     """Vertices of two edges."""
@@ -79,9 +56,96 @@ def points(pair: wp.vec2i, near: Near) -> wp.vec4i:
     return wp.vec4i(pair[0], near.triangles[t, 0], near.triangles[t, 1], near.triangles[t, 2])
 
 
+@wp.struct
+class Search:
+    """What counts as near."""
+
+    reach: float  # m
+    least: float  # m, pairs closer than this at rest are never told
+    parallel: float
+    rest: wp.array[wp.vec3]  # (N,)
+    edges_by_edge: wp.array[int]  # edges around each edge, which are never told
+    edge_rows: wp.array[int]  # (E + 1,) where they begin
+    triangles_by_vertex: wp.array[int]  # the same of triangles around each vertex
+    vertex_rows: wp.array[int]  # (N + 1,)
+
+
+@wp.func
+def listed(what: int, table: wp.array[int], rows: wp.array[int], row: int) -> bool:
+    """Whether a row of a table has a number."""
+    for k in range(rows[row], rows[row + 1]):  # noqa: SIM110, kernels know no generators
+        if table[k] == what:
+            return True
+    return False
+
+
+@wp.func
+def edge_gap(v: wp.vec4i, x: wp.array[wp.vec3], parallel: float) -> float:
+    """Distance of two edges, m."""
+    return wp.closest_point_edge_edge(x[v[0]], x[v[1]], x[v[2]], x[v[3]], parallel)[2]
+
+
+@wp.func
+def corner_gap(v: wp.vec4i, x: wp.array[wp.vec3]) -> float:
+    """Distance of a vertex and a triangle, m."""
+    closest, _weights, _feature = triangle_closest_point(x[v[1]], x[v[2]], x[v[3]], x[v[0]])
+    return wp.length(closest - x[v[0]])
+
+
+@wp.kernel
+def find_edges(tree: wp.uint64, search: Search, x: wp.array[wp.vec3], near: Near) -> None:
+    """Lists edges that are near each other, a thread an edge, one after the other. tree: of the edges at x."""
+    e = wp.tid()
+    a = x[near.edge_ends[e, 2]]
+    b = x[near.edge_ends[e, 3]]
+    out = wp.vec3(search.reach)
+    query = wp.bvh_query_aabb(tree, wp.min(a, b) - out, wp.max(a, b) + out)
+    other = wp.int32(0)
+    while wp.bvh_query_next(query, other):
+        if other <= e:
+            continue
+        v = ends(wp.vec2i(e, other), near)
+        if (
+            v[0] == v[2]
+            or v[0] == v[3]
+            or v[1] == v[2]
+            or v[1] == v[3]
+            or edge_gap(v, x, search.parallel) >= search.reach
+        ):
+            continue
+        if listed(other, search.edges_by_edge, search.edge_rows, e):
+            continue
+        if edge_gap(v, search.rest, search.parallel) < search.least or near.counts[0] + 2 > near.edges.shape[0]:
+            continue
+        k = wp.atomic_add(near.counts, 0, 2)
+        near.edges[k] = wp.vec2i(e, other)
+        near.edges[k + 1] = wp.vec2i(other, e)
+
+
+@wp.kernel
+def find_corners(tree: wp.uint64, search: Search, x: wp.array[wp.vec3], near: Near) -> None:
+    """The same of vertices and triangles, a thread a vertex. tree: of the triangles at x."""
+    i = wp.tid()
+    out = wp.vec3(search.reach)
+    query = wp.bvh_query_aabb(tree, x[i] - out, x[i] + out)
+    t = wp.int32(0)
+    while wp.bvh_query_next(query, t):
+        v = points(wp.vec2i(i, t), near)
+        if i == v[1] or i == v[2] or i == v[3] or corner_gap(v, x) >= search.reach:
+            continue
+        if listed(t, search.triangles_by_vertex, search.vertex_rows, i):
+            continue
+        if corner_gap(v, search.rest) < search.least or near.counts[1] + 1 > near.corners.shape[0]:
+            continue
+        k = wp.atomic_add(near.counts, 1, 1)
+        near.corners[k] = wp.vec2i(i, t)
+
+
 @wp.func
 def any_of(v: wp.vec4i, count: int, colour: int, colours: wp.array[int]) -> bool:
-    """Whether one of the first `count` vertices is of a colour."""
+    """Whether one of the first `count` vertices is of a colour; every one is of colour -1."""
+    if colour < 0:
+        return True
     for i in range(count):  # noqa: SIM110, kernels know no generators
         if colours[v[i]] == colour:
             return True
@@ -194,7 +258,7 @@ def keep_apart(
     moved: wp.array[wp.vec3],
     now: wp.array[wp.vec3],
 ) -> None:
-    """Moves the vertices of a colour, `members`, without letting near pairs meet, one thread.
+    """Moves the vertices of a colour (-1: all), `members`, without letting near pairs meet, one thread.
 
     seen: m, where the step began. moved: m, from there, `most` at most. share: 1 for all, before and after. Pairs
     without a vertex of the colour are as they were.

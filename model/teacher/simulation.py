@@ -69,7 +69,7 @@ class Settings:
     damping: float = 1e-4  # of stretch (N s/m) and bending (N s), beside the speed that steps lose
 
 
-#: Of cloth to learn from: in a ninth of the time it ends about as far from there as the judge from itself
+#: Of cloth to learn from: in a tenth of the time it ends about as far from there as the judge from itself
 #: (model/LOG.md).
 QUICK = Settings(
     stages=(Stage(0.004, 100, 0.99, 100), Stage(0.002, 300, 0.96, 150, looks=0.5)), still=2e-3, damping=0.0
