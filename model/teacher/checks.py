@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -81,14 +82,32 @@ def lengths(x: Floats, edges: Ints) -> Floats:
 def crossing(x: Floats, triangles: Ints) -> Ints:
     """Numbers of the edges that pass through a triangle of the same cloth which they do not touch."""
     edges = mesh_edges(triangles)
-    middle, centre = x[edges].mean(1), x[triangles].mean(1)
-    reach = lengths(x, edges) / 2 + np.linalg.norm(x[triangles] - centre[:, None], axis=2).max()
-    pairs = cKDTree(centre).query_ball_point(middle, reach)
-    e = np.repeat(np.arange(len(edges)), [len(p) for p in pairs])
-    t = np.concatenate([np.asarray(p, np.int64) for p in pairs])
+    centre = x[triangles].mean(1)
+    radius = np.linalg.norm(x[triangles] - centre[:, None], axis=2).max(1)
+    e, t = _meeting((x[edges].mean(1), lengths(x, edges) / 2), (centre, radius))
     apart = ~(triangles[t][:, :, None] == edges[e][:, None, :]).any((1, 2))
     e, t = e[apart], t[apart]
     return np.unique(e[_passes(x[edges[e]], x[triangles[t]])])
+
+
+def _meeting(a: tuple[Floats, Floats], b: tuple[Floats, Floats]) -> tuple[Ints, Ints]:
+    """Numbers of the spheres that meet, (K,) each, of two sets by their centres, (N, 3), and radii, (N,)."""
+    pairs = [np.zeros((2, 0), np.int64)]
+    # The few large ones by themselves, or all would be looked for as far away as they.
+    for mine, theirs in product(_by_size(a[1]), _by_size(b[1])):
+        reach = a[1][mine].max() + b[1][theirs].max()
+        found = cKDTree(a[0][mine]).sparse_distance_matrix(cKDTree(b[0][theirs]), reach, output_type="ndarray")
+        i, j = mine[found["i"]], theirs[found["j"]]
+        meet = found["v"] <= a[1][i] + b[1][j]
+        pairs.append(np.stack([i[meet], j[meet]]))
+    i, j = np.concatenate(pairs, 1)
+    return i, j
+
+
+def _by_size(radius: Floats) -> list[Ints]:
+    """Numbers of the large tenth and of the others, where there are any."""
+    large = radius > np.quantile(radius, 0.9)
+    return [part for part in (np.flatnonzero(~large), np.flatnonzero(large)) if len(part)]
 
 
 def _passes(segment: Floats, triangle: Floats) -> NDArray[np.bool_]:
