@@ -26,7 +26,7 @@ from .pixel_cloth import bodies
 
 OUT = Path(__file__).parents[2] / "docs" / "pictures" / "patches.jpg"
 #: Of the filter, as many as validation chooses for patches (`evaluate_pixel`).
-COMPONENTS = 128
+COMPONENTS = 256
 TITLES = ("patches", "their networks", "filtered", "simulated")
 
 
