@@ -213,5 +213,6 @@ def tables() -> None:
         if checkpoint(PATCHES, SECTION_8).exists():
             patches(sample, sets)
             filters("patches", sample, sets, *trained(sample, PATCHES, SECTION_8))
+            filters("L1 and normals", sample, sets, *trained(sample, TEE, SECTION_8))
     tie()
     speed(sample)

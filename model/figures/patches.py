@@ -9,20 +9,18 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-import torch
-
 from body.anny_body import AnnyBody
 from outfits.body_fields import body_fields
 from outfits.mesh import GarmentMesh
 from outfits.panels import front_and_back, patches
-from pixel_data import SIMULATED, Drapes, shirt
+from pixel_data import SIMULATED, shirt
 from pixel_filter import offsets_of
 from pixel_scenes import Garment, draped, scenes
 from pixel_tables import PATCHES, SECTION_8, components_of, trained
 from train_pixel import answers
 
 from .drawing import CLOTH, Drawn, Floats, Ints, cell, grid
-from .pixel_cloth import bodies
+from .pixel_cloth import bodies, spread
 
 OUT = Path(__file__).parents[2] / "docs" / "pictures" / "patches.jpg"
 #: Of the filter, as many as validation chooses for patches (`evaluate_pixel`).
@@ -44,9 +42,7 @@ def main() -> None:
     a = p.parse_args()
     sample, sets = shirt(), SIMULATED.load()
     whole, (garment, net) = Garment.of(sample), trained(sample, PATCHES, SECTION_8)
-    test = sets["test"]
-    rows = torch.linspace(0, len(test.x) - 1, a.rows + 2)[1:-1].long()
-    some = Drapes(test.x[rows], test.transforms[rows], test.number[rows])
+    some = spread(sets["test"], a.rows)
     said = answers(net, garment, scenes(garment, some, "reference"))
     data = scenes(whole, some, "reference")
     filtered = draped(components_of(sample, whole, sets).apply(offsets_of(said, whole, data), COMPONENTS), whole, data)

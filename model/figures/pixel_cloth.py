@@ -33,6 +33,12 @@ def bodies(drapes: Drapes) -> Tensor:
     return (moved[..., :3] @ rest[..., None])[..., 0] + moved[..., 3]
 
 
+def spread(drapes: Drapes, count: int) -> Drapes:
+    """Some of all drapes, evenly."""
+    rows = torch.linspace(0, len(drapes.x) - 1, count + 2)[1:-1].long()
+    return Drapes(drapes.x[rows], drapes.transforms[rows], drapes.number[rows])
+
+
 def ways(data: Scenes, some: Drapes) -> list[Tensor]:
     """Cloth of every column, (D, N, 3) each."""
     sample = shirt()
@@ -47,15 +53,13 @@ def main() -> None:
     p.add_argument("--rows", type=int, default=4)
     p.add_argument("--out", type=Path, default=OUT)
     a = p.parse_args()
-    test = SIMULATED.load()["test"]
-    rows = torch.linspace(0, len(test.x) - 1, a.rows + 2)[1:-1].long()
-    some = Drapes(test.x[rows], test.transforms[rows], test.number[rows])
+    some = spread(SIMULATED.load()["test"], a.rows)
     garment = Garment.of(shirt())
     columns = ways(scenes(garment, some, "reference"), some)
     skin, faces = bodies(some).numpy(), AnnyBody.load().triangles
     cloth = garment.triangles.numpy()
     dressed = lambda k, x: cell([Drawn(skin[k], faces), Drawn(x[k].numpy(), cloth, CLOTH[0])])  # noqa: E731
-    grid([[dressed(k, x) for x in columns] for k in range(len(rows))], TITLES).save(a.out, quality=88)
+    grid([[dressed(k, x) for x in columns] for k in range(a.rows)], TITLES).save(a.out, quality=88)
 
 
 if __name__ == "__main__":

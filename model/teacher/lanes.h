@@ -1,7 +1,6 @@
 // Body of the function that solves one group of vertices of a colour (`lanes.py`), a vertex a lane. World space, SI.
 // Forces and Hessians are those of newton 1.8: stable Neo-Hookean triangles (Smith et al. 2018, for shells) and hinges
-// after Grinspun et al. 2003, as in `hinges.py`, both without damping, and of its
-// contacts with a body that does not move.
+// after Grinspun et al. 2003, as in `hinges.py`, both without damping, and contacts with a body that does not move.
 typedef float lanes __attribute__((ext_vector_type(16)));
 typedef int whole __attribute__((ext_vector_type(16)));
 constexpr int width = 16;
@@ -24,7 +23,11 @@ auto cross = [](vec a, vec b) -> vec {
 auto root = [](lanes v) { return __builtin_elementwise_sqrt(v); };
 auto larger = [](lanes a, lanes b) { return __builtin_elementwise_max(a, b); };
 auto chosen = [](whole where, lanes a, lanes b) -> lanes { return where ? a : b; };
-auto row = [](const wp::array_t<float> &table, int k) { return *reinterpret_cast<const lanes *>(table.data + width * k); };
+auto row = [](const wp::array_t<float> &table, int k) {
+    lanes out;
+    __builtin_memcpy(&out, table.data + width * k, sizeof out);  // which nothing aligns
+    return out;
+};
 auto corner = [&](const wp::array_t<int> &table, int k) {
     vec out;
     for (int l = 0; l < width; ++l) {
@@ -80,7 +83,7 @@ lanes deep, stiffness;
 vec out, moved;
 for (int l = 0; l < width; ++l) {
     const int v = own[l], node = skin.first.data[v];
-    deep[l] = stiffness[l] = out.x[l] = out.y[l] = out.z[l] = 0.0f;
+    deep[l] = stiffness[l] = out.x[l] = out.y[l] = out.z[l] = moved.x[l] = moved.y[l] = moved.z[l] = 0.0f;
     if (node < 0) continue;
     const int contact = node / 3;
     const wp::vec3 &n = skin.normals.data[contact], &p = skin.points.data[contact], &b = before.data[v];
@@ -92,7 +95,8 @@ for (int l = 0; l < width; ++l) {
 const lanes load = stiffness * larger(deep, lanes(0.0f)), along = dot(out, moved);
 const vec slid = moved - out * along;
 const lanes far = root(dot(slid, slid)), start = skin.slip * dt;
-const lanes grip = skin.friction * load * chosen(far > start, 1.0f / far, (2.0f - far / start) / start);
+const lanes rate = chosen(far > start, 1.0f / far, (2.0f - far / start) / start);
+const lanes grip = skin.friction * load * chosen(far > 0.0f, rate, lanes(0.0f));
 const lanes drag = chosen((deep > 0.0f) & (along < 0.0f), lanes(skin.damping / dt), lanes(0.0f));
 force = force + out * (load - drag * along) - slid * grip;
 add_outer(out, chosen(deep > 0.0f, stiffness, lanes(0.0f)) + drag - grip);

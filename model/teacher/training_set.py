@@ -43,7 +43,7 @@ class Size:
 
     outfits: int = 300
     poses: int = 8  # of each, on one body
-    vertices: int = 600  # of an outfit at most, about: a drape takes four to nine seconds of a core
+    vertices: int = 600  # of an outfit at most, about
 
 
 @dataclass(frozen=True)
