@@ -34,7 +34,7 @@ const REACH: (f32, f32) = (0.20, 0.03);
 /// Steps of place and limbs alone, for each of the four ways that a scan may face.
 const PLACING: usize = 5;
 /// Of every so many body vertices one is compared.
-const STRIDE: usize = 9;
+const STRIDE: usize = 4;
 /// Mean distance and share of the body without a counterpart beyond which a scan is no body, metres and percent.
 const FARTHEST: f32 = 0.025;
 const MOST_UNSEEN: f32 = 40.0;
@@ -107,7 +107,7 @@ pub fn fit(body: &Body, scan: &Mesh) -> Result<ScanFit, ScanError> {
     for step in 0..STEPS {
         let share = step as f32 / (STEPS - 1) as f32;
         let reach = REACH.0 * (REACH.1 / REACH.0).powf(share);
-        compared.step(&mut unknowns, &surface, reach, 0..COUNT);
+        compared.step(&mut unknowns, &surface, reach, &Freedom { of: 0..COUNT, early: 1.0 - share });
     }
     compared.judged(&unknowns, &surface)
 }
@@ -125,6 +125,13 @@ struct Compared<'a> {
     vertices: Vec<u32>,
     /// Share of the body's area around each of them.
     area: Vec<f32>,
+}
+
+/// What a step may move.
+struct Freedom {
+    of: Range<usize>,
+    /// How early the step is, 1 at the start to 0 at the end.
+    early: f32,
 }
 
 /// Where they are.
@@ -155,8 +162,9 @@ impl<'a> Compared<'a> {
         let mut unknowns = Unknowns::standing(self.body, height, low, high);
         let first = self.posed(&unknowns);
         let surface = surface.turned_like(&first.points, &first.normals);
+        let freedom = Freedom { of: PLACE..COUNT, early: 1.0 };
         for _ in 0..PLACING {
-            self.step(&mut unknowns, &surface, REACH.0, PLACE..COUNT);
+            self.step(&mut unknowns, &surface, REACH.0, &freedom);
         }
         let here = self.posed(&unknowns);
         let off = here.points.iter().zip(&here.normals).zip(&self.area).map(|((point, normal), area)| {
@@ -196,18 +204,18 @@ impl<'a> Compared<'a> {
     }
 
     /// One damped Gauss-Newton step of the unknowns that are free, towards scan points within `reach` metres.
-    fn step(&self, unknowns: &mut Unknowns, surface: &Surface, reach: f32, free: Range<usize>) {
+    fn step(&self, unknowns: &mut Unknowns, surface: &Surface, reach: f32, freedom: &Freedom) {
         let here = self.posed(unknowns);
         let rows: Vec<(usize, Vec3, f64, f64)> = (0..here.points.len())
             .filter_map(|i| {
                 let (target, normal) = surface.facing(here.points[i], here.normals[i])?;
                 let way = here.points[i] - target;
-                let trust = self.area[i] / (1.0 + (3.0 * way.length() / reach).powi(2));
+                let trust = self.area[i] / (1.0 + (way.length() / reach).powi(2));
                 (way.length() < reach).then(|| (i, normal, f64::from(way.dot(normal)), f64::from(trust)))
             })
             .collect();
-        let columns = self.slopes(unknowns, &here, &free);
-        let (mut matrix, mut right) = unknowns.pull();
+        let columns = self.slopes(unknowns, &here, &freedom.of);
+        let (mut matrix, mut right) = unknowns.pull(freedom.early);
         for &(i, normal, lack, trust) in &rows {
             let slope: Vec<f64> = columns.iter().map(|c| f64::from(c[i].dot(normal))).collect();
             for (k, s) in slope.iter().enumerate() {

@@ -7,8 +7,14 @@ use crate::nearest::PointTree;
 
 /// Points that a surface is sampled at.
 const SAMPLES: usize = 8000;
-/// Nearest points among which one that faces the same way is looked for.
+/// Nearest samples that a normal is the mean of, with itself: triangles of noisy corners are tilted by tens of degrees.
+const SMOOTHED: usize = 8;
+/// Least cosine of two such normals: a thin hand has two sides.
+const ALIKE: f32 = 0.3;
+/// Nearest points among which those that face the same way are looked for.
 const NEIGHBOURS: usize = 6;
+/// How many of these count.
+const FACING: usize = 2;
 /// Cosine from which two surfaces face the same way.
 const SAME_WAY: f32 = 0.5;
 /// Steps of the two-dimensional golden sequence (Roberts, *The unreasonable effectiveness of quasirandom sequences*).
@@ -44,7 +50,9 @@ impl Surface {
                 normals.push(normal.normalize_or_zero());
             }
         }
-        Some(Self { tree: PointTree::new(&points, |_| true)?, points, normals })
+        let tree = PointTree::new(&points, |_| true)?;
+        let normals = smoothed(&points, &normals, &tree);
+        Some(Self { tree, points, normals })
     }
 
     /// Turned about the vertical by quarters.
@@ -65,13 +73,21 @@ impl Surface {
         (bound(Vec3::min), bound(Vec3::max))
     }
 
-    /// The nearest point that faces the same way as `normal`, and the surface's normal there.
+    /// Where the nearest points that face the same way as a body's `normal` at `point` have the surface, and its normal
+    /// there. Heights over a curved surface are as much too large by the surface's own normals beside the point as they
+    /// are too small by the body's, so their mean counts (Rusinkiewicz, *A symmetric objective function for ICP*, 2019).
     pub(super) fn facing(&self, point: Vec3, normal: Vec3) -> Option<(Vec3, Vec3)> {
         let hits = self.tree.nearest_n(point, NEIGHBOURS);
         let found = hits.iter().filter_map(|h| {
             Some((*self.points.get(h.index as usize)?, *self.normals.get(h.index as usize)?))
         });
-        found.into_iter().find(|(_, n)| n.dot(normal) > SAME_WAY)
+        let alike: Vec<_> = found.filter(|(_, n)| n.dot(normal) > SAME_WAY).take(FACING).collect();
+        if alike.is_empty() {
+            return None;
+        }
+        let height: f32 = alike.iter().map(|(p, n)| (point - *p).dot(0.5 * (*n + normal))).sum();
+        let mean = alike.iter().map(|(_, n)| *n).sum::<Vec3>().normalize_or_zero();
+        Some((point - mean * (height / alike.len() as f32), mean))
     }
 
     /// Turns all normals over where most of them face away from the `normals` at `points` of a body about as large.
@@ -85,4 +101,14 @@ impl Surface {
         }
         self
     }
+}
+
+/// Every normal as the mean of those of the nearest samples on its side.
+fn smoothed(points: &[Vec3], normals: &[Vec3], tree: &PointTree) -> Vec<Vec3> {
+    let mean = |(point, normal): (&Vec3, &Vec3)| {
+        let near = tree.nearest_n(*point, SMOOTHED);
+        let others = near.iter().filter_map(|h| normals.get(h.index as usize));
+        others.filter(|n| n.dot(*normal) > ALIKE).sum::<Vec3>().normalize_or_zero()
+    };
+    points.iter().zip(normals).map(mean).collect()
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{Quat, Vec3};
 
-use crate::body::{AGE, Body, BodyShape, PARAMETERS, PHENOTYPES};
+use crate::body::{Body, BodyShape, PARAMETERS, PHENOTYPES};
 use crate::measurements::{Measurement, solve};
 use crate::pose::Pose;
 
@@ -27,8 +27,8 @@ const TURN: usize = PLACE + 3;
 pub(super) const COUNT: usize = TURN + TURNS.len();
 /// How strongly unknowns are drawn to the middle, square metres a square unit.
 const PULL: f64 = 4e-7;
-/// What is not to be moved at all.
-const FIXED: f64 = 1e3;
+/// How much more strongly local changes are at first: a waist is not to be narrowed where a whole body is to be thinner.
+const PULL_AT_FIRST: f64 = 3e3;
 /// Widest turn, radians.
 const WIDEST: f32 = 0.9;
 /// Longest step of a parameter of the shape, of the place (metres) and of a turn (radians).
@@ -76,15 +76,15 @@ impl Unknowns {
         out
     }
 
-    /// Normal equations of the pull to the middle: the reference body, the A-pose. Place is free, age is held.
-    pub(super) fn pull(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
+    /// Normal equations of the pull to the middle: the reference body, the A-pose. Place is free. `early`: 1 at the
+    /// start to 0 at the end.
+    pub(super) fn pull(&self, early: f32) -> (Vec<Vec<f64>>, Vec<f64>) {
         let (mut matrix, mut right) = (vec![vec![0.0; COUNT]; COUNT], vec![0.0; COUNT]);
         let middle = BodyShape::default().parameters();
         for k in 0..COUNT {
             let weight = match k {
-                AGE => FIXED,
                 _ if k < PHENOTYPES => 4.0 * PULL,
-                _ if k < PLACE => PULL,
+                _ if k < PLACE => PULL * PULL_AT_FIRST.powf(f64::from(early)),
                 _ => 1e-3 * PULL,
             };
             let off = f64::from(self.0[k]) - middle.get(k).copied().unwrap_or(0.0);

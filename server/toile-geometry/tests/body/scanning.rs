@@ -59,6 +59,38 @@ fn noise_holes_other_triangles_and_another_place_do_not_matter() {
 }
 
 #[test]
+fn a_body_is_found_again_from_loose_triangles_whose_noise_tilts_them() {
+    for values in [
+        &[("gender", 0.2), ("age", 0.85), ("weight", 0.7), ("measure-upperleg-height-incr", 0.3)][..],
+        &[
+            ("gender", 0.9),
+            ("age", 0.55),
+            ("muscle", 0.7),
+            ("height", 0.3),
+            ("measure-waist-circ-incr", -0.3),
+        ],
+    ] {
+        let shape = shape(values);
+        let truth = mesh(&shape);
+        // Every second triangle with corners of its own, each 2 mm off along every axis as a hash has it.
+        let noise = |k: usize| (k as f32 * 12.9898).sin() * 43_758.547 % 1.0 * 0.0034;
+        let corners = truth.triangles.iter().step_by(2).flatten().enumerate();
+        let positions: Vec<Vec3> = corners
+            .map(|(k, &i)| {
+                truth.positions[i as usize] + Vec3::from_array([0, 1, 2].map(|a| noise(3 * k + a)))
+            })
+            .collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let found = fit(body(), &Mesh { positions, triangles }).unwrap();
+        let detail = Some(Arc::new(Detail { id: "scan".to_owned(), offsets: found.offsets }));
+        let got = body().shape(&BodyShape { detail, ..found.shape }).apose_vertices;
+        let off = got.iter().zip(&truth.positions).map(|(a, b)| a.distance(*b)).sum::<f32>();
+        let off = off / got.len() as f32;
+        assert!(off < 4e-3, "every vertex {off} m from its own, on average");
+    }
+}
+
+#[test]
 fn the_detail_puts_the_body_on_the_scan() {
     // A belly that the parameters do not know, 4 cm deep.
     let average = body().shape(&BodyShape::default());
