@@ -87,7 +87,7 @@ pub enum ScanError {
     },
 }
 
-/// The body nearest to a scan, in about a second.
+/// The body nearest to a scan, in a second or two.
 ///
 /// # Errors
 /// [`ScanError`] where the mesh is no scan of a person.
