@@ -17,12 +17,13 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
+from devices import half_precision
 from export import ARTIFACTS, export_all
 from nets.deepsd import ConcatenatedPsi, Sizes
 from teacher.compare import Figures, compare, table
 from teacher.drapes import TEACHER, folders_in
 from teacher.training_set import SIMULATED
-from train_deepsd import RUNS, Data, DeePSD, Settings, half_precision, learn
+from train_deepsd import RUNS, Data, DeePSD, Settings, learn
 from training_data import DATA, BodyBank, OutfitPool, Sample, TargetPool
 
 #: Of the blend weights, in every row.
@@ -38,7 +39,7 @@ class PrintedDeePSD(DeePSD):
 
     def offsets(self, sample: Sample, nodes: tuple[Tensor, Tensor], pose: Tensor, shape: Tensor) -> Tensor:
         descriptors = sample.at_vertices(nodes[1])
-        with half_precision():
+        with half_precision(wanted=torch.is_grad_enabled()):
             of_poses = [self.concat(descriptors, one[None], shape[None]) for one in pose]
         return torch.stack(of_poses).float()
 

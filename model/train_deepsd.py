@@ -25,6 +25,7 @@ import cloth_energy
 import energies
 import optimisers
 from cloth_energy import Contacts, Posed
+from devices import half_precision
 from energies import RestMesh
 from nets.deepsd import Coefficients, Sizes, StaticPass, pose_features, skin, top_four
 from posed_bodies import Bodies
@@ -82,14 +83,9 @@ class Draped(Posed):
     node_weights: Tensor  # (M, 36)
 
 
-def half_precision() -> torch.autocast:
-    """Matrix products of training in bfloat16, twice as fast."""
-    return torch.autocast("cpu", torch.bfloat16, enabled=torch.is_grad_enabled())
-
-
 def drape(net: DeePSD, sample: Sample, rest: Tensor, entry: ShapedPoses, poses: Tensor, parents: Tensor) -> Draped:
     """Equation 4: offsets in rest space, then linear blend skinning with four influences."""
-    with half_precision():
+    with half_precision(wanted=torch.is_grad_enabled()):
         node_weights, *nodes = (each.float() for each in net.static(sample.features, sample.prior, sample.graph))
     transforms = entry.transforms[poses]
     offset = net.offsets(sample, tuple(nodes), pose_features(transforms, parents), entry.shape)

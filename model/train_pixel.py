@@ -23,7 +23,7 @@ import torch
 from torch import Tensor, nn
 
 import garnet_losses
-from devices import on
+from devices import half_precision, on
 from garment import nearest
 from garment.cloth_image import Panel
 from garment.flat import flattened
@@ -74,7 +74,7 @@ def learn(net: PixelCloth, garment: Garment, data: Scenes, s: Settings) -> None:
         for group in adam.param_groups:
             group["lr"] = s.rate * rise * (0.01 + 0.99 * 0.5 * (1 + np.cos(np.pi * progress)))
         batch = data.pick(torch.as_tensor(rng.integers(len(data), size=s.batch)).to(data.pose.device))
-        with torch.autocast(batch.pose.device.type, torch.bfloat16):
+        with half_precision(batch.pose.device.type):
             images = net(batch.pose)
         terms = losses(images.float(), garment, batch, s)
         torch.stack(list(terms.values())).sum().backward()
