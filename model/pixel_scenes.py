@@ -33,7 +33,7 @@ WRONG = {"thin": -0.015, "thick": 0.015}
 #: Share of every weight that lies on the joint's parent.
 LAG = 0.3
 #: Pixels of a patch's side.
-PATCH_SIZE = 128
+PATCH_SIZE = 64
 #: Drapes whose frames are made at once.
 BATCH = 64
 

@@ -36,8 +36,8 @@ RUNS = Path(__file__).parent / "runs" / "pixel"
 Norm = Literal["l1", "l2"]
 #: Steps in which the rate rises: at full rate from the first, offsets along u may stay unlearned for hundreds.
 RISE = 100
-#: A whole garment, and small networks for patches.
-PATCHED = (48, 32, 24, 16, 12)
+#: Channels of a patch's network: a step of twelve costs what a step of the whole does.
+PATCHED = (128, 64, 48, 24)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from nets.pixel_cloth import PixelCloth, Sizes, at_sites
 from pixel_data import COUNT, Drapes, Maker, in_poses, necktie, shirt
 from pixel_filter import Filter, offsets_of
 from pixel_poses import POSE, pose_matrices, upper_body_poses
-from pixel_scenes import Garment, Scenes, draped, pixels, scenes
+from pixel_scenes import PATCH_SIZE, Garment, Scenes, draped, pixels, scenes
 from relax import skinned
 from train_pixel import Run, Settings, garment_of
 from training_data import BodyBank, Sample, ShapedPoses
@@ -72,8 +72,9 @@ def test_images_say_the_cloth(garment: Garment, data: Scenes) -> None:
     images = as_images(pixels(garment, data), garment, train_pixel.network(garment).sizes.side)
     x = draped(at_sites(images, garment.pixel_of_site, garment.pixel_weight), garment, data)
     off = (x - data.truth).norm(dim=-1)
-    assert off.mean() < 5e-4
-    assert off.max() < 0.02
+    mean, most = (1e-3, 0.03) if garment.side == PATCH_SIZE else (5e-4, 0.02)  # pixels of 7 mm, and of 3
+    assert off.mean() < mean
+    assert off.max() < most
     losses = train_pixel.losses(images, garment, data, Settings(1))
     assert losses["pixels"] == 0
     assert losses["normals"] < 1e-4
