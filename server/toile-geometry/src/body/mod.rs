@@ -21,7 +21,7 @@ use crate::skinning::SkinWeights;
 pub use basis::ShapeBasis;
 pub use file::BodyError;
 pub use orientation::nearest_rotation;
-pub(crate) use phenotypes::AGE;
+pub(crate) use phenotypes::{AGE, MUSCLE};
 pub use phenotypes::{CoefficientJacobian, LOCAL_CHANGES, PARAMETERS, PHENOTYPES, PhenotypeTerms};
 pub use shape::{BodyShape, Detail, REFERENCE_AGE};
 

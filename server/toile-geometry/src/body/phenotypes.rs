@@ -14,6 +14,8 @@ pub const LOCAL_CHANGES: usize = 20;
 pub const PARAMETERS: usize = PHENOTYPES + LOCAL_CHANGES;
 /// Index of age among the phenotypes.
 pub(crate) const AGE: usize = 1;
+/// Index of muscle.
+pub(crate) const MUSCLE: usize = 2;
 const MOST_ANCHORS: usize = 5;
 
 /// Phenotypes in order: name, value at the first anchor (the last is at 1), anchors.

@@ -89,7 +89,7 @@ pub enum ScanError {
     },
 }
 
-/// The body nearest to a scan, in a second or two.
+/// The body nearest to a scan, in two or three seconds.
 ///
 /// # Errors
 /// [`ScanError`] where the mesh is no scan of a person.
@@ -108,12 +108,14 @@ pub fn fit(body: &Body, scan: &Mesh) -> Result<ScanFit, ScanError> {
     let (_, surface, unknowns) = nearest;
     let first = compared.settled(unknowns, &surface, 0);
     let second = compared.settled(first.across(), &surface, SECOND);
-    let [first, second] = [first, second].map(|found| compared.judged(&found, &surface));
-    match (&first, &second) {
-        (Ok(one), Ok(other)) if other.distance < one.distance => second,
-        (Err(_), Ok(_)) => second,
-        _ => first,
-    }
+    let nearer = match [first, second].map(|found| compared.judged(found, &surface)) {
+        [Ok(one), Ok(other)] if other.distance < one.distance => other,
+        [Err(_), Ok(other)] => other,
+        [one, _] => one?,
+    };
+    let Judged { unknowns, distance, unseen_percent } = nearer;
+    let offsets = detail::offsets(body, &unknowns, &surface);
+    Ok(ScanFit { shape: unknowns.shape(), offsets, distance, unseen_percent })
 }
 
 /// Height of the triangles, metres, infinite where they are wider than any room; none without triangles.
@@ -136,6 +138,13 @@ struct Freedom {
     of: Range<usize>,
     /// How early the step is, 1 at the start to 0 at the end.
     early: f32,
+}
+
+/// A body that is near enough to a scan, as of [`ScanFit`].
+struct Judged {
+    unknowns: Unknowns,
+    distance: f32,
+    unseen_percent: f32,
 }
 
 /// Where they are.
@@ -242,8 +251,8 @@ impl<'a> Compared<'a> {
         }
     }
 
-    fn judged(&self, unknowns: &Unknowns, surface: &Surface) -> Result<ScanFit, ScanError> {
-        let here = self.posed(unknowns);
+    fn judged(&self, unknowns: Unknowns, surface: &Surface) -> Result<Judged, ScanError> {
+        let here = self.posed(&unknowns);
         let (mut distance, mut seen) = (0.0, 0.0);
         for ((point, normal), area) in here.points.iter().zip(&here.normals).zip(&self.area) {
             if let Some((target, facing)) = surface.facing(*point, *normal)
@@ -257,7 +266,6 @@ impl<'a> Compared<'a> {
         if distance > FARTHEST || unseen_percent > MOST_UNSEEN {
             return Err(ScanError::NotABody { distance, unseen_percent });
         }
-        let offsets = detail::offsets(self.body, unknowns, surface);
-        Ok(ScanFit { shape: unknowns.shape(), offsets, distance, unseen_percent })
+        Ok(Judged { unknowns, distance, unseen_percent })
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{Quat, Vec3};
 
-use crate::body::{Body, BodyShape, PARAMETERS, PHENOTYPES};
+use crate::body::{Body, BodyShape, MUSCLE, PARAMETERS, PHENOTYPES};
 use crate::measurements::{Measurement, solve};
 use crate::pose::Pose;
 
@@ -29,8 +29,7 @@ pub(super) const COUNT: usize = TURN + TURNS.len();
 const PULL: f64 = 4e-7;
 /// How much more strongly local changes are at first: a waist is not to be narrowed where a whole body is to be thinner.
 const PULL_AT_FIRST: f64 = 3e3;
-/// The parameter of muscle, and where its two halves meet, which change a body in different ways.
-const MUSCLE: usize = 2;
+/// Where the two halves of muscle meet, which change a body in different ways.
 const KINK: f32 = 0.5;
 /// How far beyond it the second search starts.
 const AWAY: f32 = 0.2;
