@@ -32,9 +32,9 @@ from training_data import DATA, Sample
 STILL = (*LEGS, "leftFoot", "rightFoot")
 
 
-def at_rest(sample: Sample, poses: list[Pose]) -> Drapes:
+def at_rest(sample: Sample, poses: list[Pose], scratch: Path) -> Drapes:
     """The T-shirt in poses, without drapes that are at fault."""
-    entry, x, found = simulated(worn(sample), poses, DATA / "motion")
+    entry, x, found = simulated(worn(sample), poses, scratch)
     faults = [j.fault(Limits()) for j in found]
     rows = torch.tensor([k for k, fault in enumerate(faults) if fault is None], dtype=torch.long)
     print(f"{len(rows)} drapes good, the others: {', '.join(filter(None, faults)) or 'none'}")
@@ -79,7 +79,7 @@ def main() -> None:
     # Of the reference body alone, which is what drapes are on: a heavy one would have its arms lifted further.
     poses = frames(clip_of(a.clip), a.frames, sample_bodies()[:1], STILL)
     sample = shirt()
-    drapes = at_rest(sample, poses)
+    drapes = at_rest(sample, poses, DATA / "motion" / Path(a.clip).stem)
     found = ways(sample, drapes)
     print("\n| | error cm | degrees |\n|---|---:|---:|")
     for name, x in found.items():
