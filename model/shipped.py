@@ -63,9 +63,7 @@ def shipped_garnet(kind: str, artifacts: Path = ARTIFACTS) -> GarNet:
 def shipped_tee(poses: Tensor, artifacts: Path = ARTIFACTS) -> tuple[PixelCloth, Filter]:
     """The T-shirt's decoder, its layers normalised by what they have in some poses (P, POSE), and its filter."""
     kept = {k: torch.as_tensor(v) for k, v in load_file(artifacts / "pixel_cloth" / "tee.safetensors").items()}
-    layers = sum(name.startswith("weight") for name in kept)
-    channels = tuple(kept[f"weight{k}"].shape[1] for k in range(layers - 1))
-    net, x = PixelCloth(Sizes(channels=channels)), poses[..., None, None]
+    net, x = PixelCloth(Sizes()), poses[..., None, None]
     *convolutions, last = (layer for layer in net.layers if isinstance(layer, nn.ConvTranspose2d))
     norms = [layer for layer in net.layers if isinstance(layer, nn.BatchNorm2d)]
     for k, (convolution, norm) in enumerate(zip(convolutions, norms, strict=True)):
